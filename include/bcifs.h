@@ -1,0 +1,285 @@
+/* bcifs: boundary controlled iterated function systems.
+ *
+ * A text file describes an automaton of cells (vertices, edges, faces) and their subdivision matrices. This
+ * library reads it, proves its incidence and adjacency equations, and evaluates its curves and attractors.
+ * The language is described in docs/language.md, the mathematics in docs/mathematics.md.
+ *
+ * Conventions
+ * - A handle (bcifs_automaton, bcifs_check, bcifs_figure, bcifs_plan, bcifs_walker) is made by one function and
+ *   freed by one, which accepts NULL. Unless said otherwise a handle may outlive nothing it was made from: free
+ *   the automaton last.
+ * - There is no global state. Calls on different handles may run in parallel; calls that take a handle as
+ *   `const` may run in parallel on the same one.
+ * - A function that can fail returns a bcifs_status, 0 on success, writes its result through its last-but-one
+ *   parameter only then, and fills `error` (which may be NULL) otherwise.
+ * - The library never prints, exits, or changes the locale. Text is UTF-8. Numbers are written and read with a
+ *   decimal point in every locale.
+ * - Matrices are stored row after row; points one after the other, their coordinates adjacent. */
+#ifndef BCIFS_H
+#define BCIFS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define BCIFS_VERSION "0.1.0"
+
+#if defined(__GNUC__)
+#define BCIFS_PUBLIC __attribute__((visibility("default")))
+#else
+#define BCIFS_PUBLIC
+#endif
+
+/* ---- Status and errors -------------------------------------------------------------------------------- */
+
+typedef enum bcifs_status {
+    BCIFS_OK = 0,
+    BCIFS_NO = 1,     /* the question was well posed and the answer is no: an equation fails */
+    BCIFS_INPUT = 2,  /* a file, an argument or a limit: the caller can mend it */
+    BCIFS_SYSTEM = 3, /* reading or writing failed */
+    BCIFS_MEMORY = 4  /* no memory */
+} bcifs_status;
+
+/* A status in words, such as "bad input". Never NULL. */
+BCIFS_PUBLIC const char *bcifs_status_text(bcifs_status status);
+
+/* What went wrong. `file` is empty and `line`, `column` (from 1) are 0 where no place in a file is to blame. */
+typedef struct bcifs_error {
+    bcifs_status status;
+    char file[256];
+    unsigned line, column;
+    char message[768];
+} bcifs_error;
+
+/* One finding in a file. The pointers are valid during the call of the reporter only. */
+typedef struct bcifs_diagnostic {
+    int is_warning;
+    const char *file;      /* NULL where no file is to blame */
+    unsigned line, column; /* from 1; 0 when unknown */
+    const char *message;
+    const char *excerpt; /* the line of the file and a caret below it, two lines, or NULL */
+} bcifs_diagnostic;
+
+typedef void bcifs_reporter(void *context, const bcifs_diagnostic *diagnostic);
+
+/* Frees text that the library returned. Accepts NULL. */
+BCIFS_PUBLIC void bcifs_text_free(char *text);
+
+/* The version of the library that is linked, "major.minor.patch". */
+BCIFS_PUBLIC const char *bcifs_version(void);
+
+/* ---- Automata ------------------------------------------------------------------------------------------ */
+
+typedef struct bcifs_automaton bcifs_automaton;
+
+typedef struct bcifs_load_options {
+    const char *const *settings; /* "NAME=EXPRESSION": values for the file's params */
+    size_t setting_count;
+    bcifs_reporter *report; /* called for every diagnostic (at most 20 errors), or NULL */
+    void *context;          /* handed to `report` */
+} bcifs_load_options;
+
+/* Reads and binds the automaton in the file `path` ("-" is standard input). `options` may be NULL.
+ * `error` holds the first error; `options->report` sees all. */
+BCIFS_PUBLIC bcifs_status bcifs_load(const char *path, const bcifs_load_options *options,
+                                     bcifs_automaton **automaton, bcifs_error *error);
+/* The same from `length` bytes of text; `name` stands for the file in messages and for `use`. */
+BCIFS_PUBLIC bcifs_status bcifs_load_text(const char *name, const char *text, size_t length,
+                                          const bcifs_load_options *options, bcifs_automaton **automaton,
+                                          bcifs_error *error);
+BCIFS_PUBLIC void bcifs_automaton_free(bcifs_automaton *automaton);
+/* The name after `automaton`, and the title string after it ("" without one). Valid as long as the automaton. */
+BCIFS_PUBLIC const char *bcifs_automaton_name(const bcifs_automaton *automaton);
+BCIFS_PUBLIC const char *bcifs_automaton_title(const bcifs_automaton *automaton);
+
+/* The text of the file `path` ("-": standard input) in canonical layout; free it with bcifs_text_free.
+ * `original`, when not NULL, receives the text as it was read, to compare with. Only the syntax is checked. */
+BCIFS_PUBLIC bcifs_status bcifs_format_file(const char *path, const bcifs_load_options *options, char **original,
+                                            char **formatted, bcifs_error *error);
+
+/* ---- The equations ------------------------------------------------------------------------------------- */
+
+typedef struct bcifs_check bcifs_check;
+
+typedef enum bcifs_equation_kind {
+    BCIFS_BARYCENTRIC, /* columns sum to 1 */
+    BCIFS_INCIDENCE,   /* the boundary of a cell is subdivided by the cell's subdivision, [IM] (8) */
+    BCIFS_ADJACENCY    /* neighbouring children share their common boundary, [IM] (6) */
+} bcifs_equation_kind;
+
+typedef struct bcifs_equation {
+    const char *state; /* "arc", "bezier.arc" or a product "a*b" */
+    bcifs_equation_kind kind;
+    const char *text; /* such as "T0·end = T1·start" */
+    int exact;        /* decided in exact arithmetic; otherwise in doubles, within a stated tolerance */
+    int holds;
+    double residual;    /* largest difference of an entry, in doubles; 0 when it holds exactly */
+    const char *reason; /* where it fails for another cause than an entry (states differ, say): in words; or NULL */
+    /* A refuted equation is shown: both sides, each rows × columns, and the entry (from 0) that differs most,
+     * at the values of the parameters and arguments in `at` ("a = 1/4, u = 2"; "" without any). */
+    int rows, columns;
+    const double *left, *right; /* NULL when it holds or `reason` says why it fails */
+    int row, column;
+    const char *at;
+    const char *file; /* where the map or boundary stands */
+    unsigned line;
+} bcifs_equation;
+
+/* Checks every equation of every state. The answer "no" is BCIFS_OK with bcifs_check_valid() = 0. `options` (may be
+ * NULL) is used for its reporter: a non-contractive automaton is a warning.
+ * Exact verdicts hold identically in all params that were not set when loading, and in all arguments: both sides
+ * agree at several independent random points of the field of integers modulo 2^61 - 1 (Schwartz-Zippel). */
+BCIFS_PUBLIC bcifs_status bcifs_check_create(const bcifs_automaton *automaton, const bcifs_load_options *options,
+                                             bcifs_check **check, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_check_free(bcifs_check *check);
+BCIFS_PUBLIC int bcifs_check_valid(const bcifs_check *check);
+BCIFS_PUBLIC size_t bcifs_check_equation_count(const bcifs_check *check);
+BCIFS_PUBLIC const bcifs_equation *bcifs_check_equation(const bcifs_check *check, size_t index);
+
+/* Bounds of the joint spectral radius of the linear parts of all maps, for the params' values: below 1 the
+ * automaton is contractive. Both are computed in doubles. `product`, the word of maps that attains `lower`
+ * ("arc: 0 1"), is valid as long as the check. */
+BCIFS_PUBLIC void bcifs_check_contraction(const bcifs_check *check, double *lower, double *upper,
+                                          const char **product);
+
+/* The whole check as one JSON object, or as text for a person; free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_check_json(const bcifs_check *check);
+BCIFS_PUBLIC char *bcifs_check_text(const bcifs_check *check);
+
+/* ---- Figures and their evaluation ---------------------------------------------------------------------- */
+
+typedef struct bcifs_figure bcifs_figure;
+
+typedef struct bcifs_figure_options {
+    const char *figure; /* its name; NULL: the file's first */
+    const char *state;  /* not NULL: one piece in this state instead of a figure of the file */
+    /* Control points that replace the figure's: point_count × dimension numbers. NULL: the figure's own. */
+    const double *points;
+    size_t point_count;
+    unsigned dimension;
+} bcifs_figure_options;
+
+/* Binds a figure to its control points; `options` may be NULL. Refuses one whose automaton has entries `?`. */
+BCIFS_PUBLIC bcifs_status bcifs_figure_create(const bcifs_automaton *automaton,
+                                              const bcifs_figure_options *options, bcifs_figure **figure,
+                                              bcifs_error *error);
+BCIFS_PUBLIC void bcifs_figure_free(bcifs_figure *figure);
+/* Its name, "" for a bare state. */
+BCIFS_PUBLIC const char *bcifs_figure_name(const bcifs_figure *figure);
+/* Number of coordinates of a point, 1 to 16. */
+BCIFS_PUBLIC unsigned bcifs_figure_dimension(const bcifs_figure *figure);
+/* Whether its pieces are cells, drawn as an attractor, not arcs. */
+BCIFS_PUBLIC int bcifs_figure_is_attractor(const bcifs_figure *figure);
+/* The greatest depth at which `show` limit has at most `points` points, at most 64. */
+BCIFS_PUBLIC unsigned bcifs_figure_depth(const bcifs_figure *figure, uint64_t points);
+
+/* Reads control points from a CSV file, one point a row: count × dimension numbers, to be freed with
+ * bcifs_points_free. A first row without any number is a header. `options` is used for its reporter only. */
+BCIFS_PUBLIC bcifs_status bcifs_points_read(const char *path, const bcifs_load_options *options, double **points,
+                                            size_t *count, unsigned *dimension, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_points_free(double *points);
+
+/* The limit point at parameter `t` in 0..1 along the figure (every piece, and every child of a cell, takes an equal
+ * share), or at an address: the piece, a point, and the word of map indices, digits or numbers separated by
+ * commas. `point` receives dimension numbers. */
+BCIFS_PUBLIC bcifs_status bcifs_point_at(const bcifs_figure *figure, double t, double *point, bcifs_error *error);
+BCIFS_PUBLIC bcifs_status bcifs_point_at_address(const bcifs_figure *figure, const char *address, double *point,
+                                                 bcifs_error *error);
+
+typedef enum bcifs_show {
+    BCIFS_LIMIT,   /* limit points: the start of every cell of the level, for cells the point 000… of each */
+    BCIFS_CONTROL, /* control points of the level; for cells, the image of the control frame under every word */
+    BCIFS_SEED     /* the image of one given point of the joint (or of the cell), [IM] 3.5 */
+} bcifs_show;
+
+typedef struct bcifs_view {
+    unsigned depth;
+    bcifs_show show;
+    const double *seed; /* BCIFS_SEED: barycentric coordinates in the joint (cells: in the cell) */
+    size_t seed_count;
+    double from, to; /* only the points with parameter from <= t <= to; 0, 1 (or 0, 0): all */
+} bcifs_view;
+
+/* A plan holds everything that evaluating a figure at one depth needs; its size does not depend on the number of
+ * points. The points form paths (curves), loose points (attractors), or polygons of equal size (control frames
+ * of an attractor). A point shared by two pieces or two children appears once. */
+typedef struct bcifs_plan bcifs_plan;
+
+typedef struct bcifs_path {
+    uint64_t first, count; /* points */
+    int closed;
+} bcifs_path;
+
+BCIFS_PUBLIC bcifs_status bcifs_plan_create(const bcifs_figure *figure, const bcifs_view *view, bcifs_plan **plan,
+                                            bcifs_error *error);
+BCIFS_PUBLIC void bcifs_plan_free(bcifs_plan *plan);
+BCIFS_PUBLIC uint64_t bcifs_plan_points(const bcifs_plan *plan);
+BCIFS_PUBLIC unsigned bcifs_plan_dimension(const bcifs_plan *plan);
+/* Number of paths; 0 when the points are loose or form polygons. */
+BCIFS_PUBLIC size_t bcifs_plan_path_count(const bcifs_plan *plan);
+BCIFS_PUBLIC bcifs_path bcifs_plan_path(const bcifs_plan *plan, size_t index);
+/* Points of each polygon when the points form polygons, otherwise 0. */
+BCIFS_PUBLIC unsigned bcifs_plan_polygon(const bcifs_plan *plan);
+
+/* A walker runs over the points of a plan in order. Several may run over one plan in parallel. */
+typedef struct bcifs_walker bcifs_walker;
+
+BCIFS_PUBLIC bcifs_status bcifs_walker_create(const bcifs_plan *plan, bcifs_walker **walker, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_walker_free(bcifs_walker *walker);
+/* Goes to the point `index`; its address is computed, not walked to. */
+BCIFS_PUBLIC void bcifs_walker_seek(bcifs_walker *walker, uint64_t index);
+/* Writes the next points, at most `capacity`, to `points` (capacity × dimension numbers) and returns how many;
+ * 0 at the end. The same point has the same bits whatever the capacity and the place where the walk began. */
+BCIFS_PUBLIC size_t bcifs_walker_next(bcifs_walker *walker, double *points, size_t capacity);
+
+/* ---- Files --------------------------------------------------------------------------------------------- */
+
+typedef enum bcifs_role {
+    BCIFS_CURVE,   /* drawn as a line, or as a density picture when its points are loose */
+    BCIFS_POLYGON, /* drawn as a control polygon with its points marked */
+    BCIFS_LEVEL    /* a coarser level laid over the curve */
+} bcifs_role;
+
+typedef struct bcifs_layer {
+    const bcifs_plan *plan;
+    bcifs_role role;
+} bcifs_layer;
+
+/* Called now and then during long work with the share that is done, 0..1. */
+typedef void bcifs_progress(void *context, double done);
+
+typedef struct bcifs_write_options {
+    const char *format;  /* a name of bcifs_format_name; NULL: after the ending of the path */
+    const char *command; /* the command line that makes this file, kept in pictures; may be NULL */
+    unsigned width;      /* of a picture, in pixels; 0: 1000 */
+    bcifs_progress *progress;
+    void *context;
+} bcifs_write_options;
+
+/* Writes layers[0] (data formats) or all layers (pictures) to `path`, "-" being standard output. A file appears
+ * whole or not at all; what is not a regular file is written as it comes. BCIFS_INPUT when a point is not finite
+ * or the format cannot hold the points. */
+BCIFS_PUBLIC bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, size_t layer_count,
+                                      const char *path, const bcifs_write_options *options, bcifs_error *error);
+/* Writes `length` bytes of text to `path` under the same promises. */
+BCIFS_PUBLIC bcifs_status bcifs_write_text(const char *path, const char *text, size_t length, bcifs_error *error);
+
+/* The formats that bcifs_write knows: name, and one line on what it is; NULL past the last. */
+BCIFS_PUBLIC const char *bcifs_format_name(size_t index);
+BCIFS_PUBLIC const char *bcifs_format_text(size_t index);
+/* Whether a format holds a picture, so that several layers make sense. */
+BCIFS_PUBLIC int bcifs_format_is_picture(size_t index);
+
+/* Writes the shortest decimal that reads back as `number` and a NUL to `out`, 40 bytes; returns the length. */
+BCIFS_PUBLIC size_t bcifs_number_text(char *out, double number);
+/* Reads a number expression of the language without names ("0.5", "1/3", "sqrt(2)/2"). */
+BCIFS_PUBLIC bcifs_status bcifs_number_read(const char *text, double *number, bcifs_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,221 @@
+#include "command.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+int complain(const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    fputs("bcifs: ", stderr);
+    vfprintf(stderr, format, list);
+    fputc('\n', stderr);
+    va_end(list);
+    return EXIT_INPUT;
+}
+
+int exit_of(bcifs_status status)
+{
+    switch (status) {
+    case BCIFS_OK:
+        return EXIT_YES;
+    case BCIFS_NO:
+        return EXIT_NO;
+    case BCIFS_INPUT:
+        return EXIT_INPUT;
+    case BCIFS_SYSTEM:
+    case BCIFS_MEMORY:
+        break;
+    }
+    return EXIT_SYSTEM;
+}
+
+/* file:line:column: error: message */
+static void print_place(const char *file, unsigned line, unsigned column)
+{
+    if (!file || !file[0])
+        fputs("bcifs: ", stderr);
+    else if (line == 0)
+        fprintf(stderr, "%s: ", file);
+    else
+        fprintf(stderr, "%s:%u:%u: ", file, line, column);
+}
+
+int fail(bcifs_status status, const bcifs_error *error)
+{
+    print_place(error->file, error->line, error->column);
+    fprintf(stderr, "error: %s\n", error->message);
+    return exit_of(status);
+}
+
+static void print_diagnostic(void *context, const bcifs_diagnostic *diagnostic)
+{
+    const struct arguments *arguments = context;
+    if (diagnostic->is_warning && arguments->quiet)
+        return;
+    print_place(diagnostic->file, diagnostic->line, diagnostic->column);
+    fprintf(stderr, "%s: %s\n", diagnostic->is_warning ? "warning" : "error", diagnostic->message);
+    if (diagnostic->excerpt)
+        fprintf(stderr, "%s\n", diagnostic->excerpt);
+}
+
+bcifs_load_options load_options(const struct arguments *arguments)
+{
+    return (bcifs_load_options){.settings = arguments->settings,
+                                .setting_count = arguments->setting_count,
+                                .report = print_diagnostic,
+                                .context = (void *)arguments};
+}
+
+int automaton_load(const struct arguments *arguments, bcifs_automaton **automaton)
+{
+    bcifs_load_options options = load_options(arguments);
+    bcifs_error error;
+    return exit_of(bcifs_load(arguments->file, &options, automaton, &error));
+}
+
+int text_output(const struct arguments *arguments, char *text)
+{
+    bcifs_error error;
+    if (!text) {
+        fputs("bcifs: error: no memory\n", stderr);
+        return EXIT_SYSTEM;
+    }
+    const char *path = arguments->output ? arguments->output : "-";
+    bcifs_status status = bcifs_write_text(path, text, strlen(text), &error);
+    bcifs_text_free(text);
+    return status ? fail(status, &error) : EXIT_YES;
+}
+
+/* ---- Options ------------------------------------------------------------------------------------------- */
+
+/* Where an option's argument (or flag) is kept. */
+static const char **string_slot(struct arguments *arguments, const char *name)
+{
+    const struct {
+        const char *name;
+        const char **slot;
+    } slots[] = {
+        {"--figure", &arguments->figure}, {"--state", &arguments->state},   {"--points", &arguments->points},
+        {"-o", &arguments->output},       {"--format", &arguments->format}, {"--depth", &arguments->depth},
+        {"--show", &arguments->show},     {"--range", &arguments->range},   {"--levels", &arguments->levels},
+        {"--width", &arguments->width},
+    };
+    for (size_t i = 0; i < sizeof slots / sizeof *slots; i++)
+        if (strcmp(slots[i].name, name) == 0)
+            return slots[i].slot;
+    return NULL;
+}
+
+static bool *flag_slot(struct arguments *arguments, const char *name)
+{
+    const struct {
+        const char *name;
+        bool *slot;
+    } slots[] = {
+        {"--json", &arguments->json},       {"--quiet", &arguments->quiet}, {"--strict", &arguments->strict},
+        {"--polygon", &arguments->polygon}, {"--check", &arguments->check},
+    };
+    for (size_t i = 0; i < sizeof slots / sizeof *slots; i++)
+        if (strcmp(slots[i].name, name) == 0)
+            return slots[i].slot;
+    return NULL;
+}
+
+static int option_store(struct arguments *arguments, const char *name, const char *argument)
+{
+    if (strcmp(name, "--set") == 0) {
+        if (arguments->setting_count == MOST_SETTINGS)
+            return complain("more than %d --set", MOST_SETTINGS);
+        arguments->settings[arguments->setting_count++] = argument;
+        return EXIT_YES;
+    }
+    if (strcmp(name, "--at") == 0 || strcmp(name, "--address") == 0) {
+        if (arguments->position_count == MOST_POSITIONS)
+            return complain("more than %d --at and --address", MOST_POSITIONS);
+        arguments->is_address[arguments->position_count] = name[3] == 'd';
+        arguments->positions[arguments->position_count++] = argument;
+        return EXIT_YES;
+    }
+    const char **string = string_slot(arguments, name);
+    if (string && *string)
+        return complain("%s is given twice", name);
+    if (string)
+        *string = argument;
+    else
+        *flag_slot(arguments, name) = true;
+    return EXIT_YES;
+}
+
+/* The option that a word names, "--name" or "--name=argument"; `inline_argument` points behind the "=". */
+static const struct option *option_find(const struct command *command, const char *word,
+                                        const char **inline_argument)
+{
+    const char *equals = strchr(word, '=');
+    size_t length = word[1] == '-' && equals ? (size_t)(equals - word) : strlen(word);
+    *inline_argument = word[length] == '=' ? word + length + 1 : NULL;
+    for (const struct option *option = command->options; option->name; option++)
+        if (strlen(option->name) == length && memcmp(option->name, word, length) == 0)
+            return option;
+    return NULL;
+}
+
+/* Reads the option in words[*index], and its argument from the next word. */
+static int option_read(const struct command *command, int count, char **words, int *index,
+                       struct arguments *arguments)
+{
+    const char *argument;
+    const struct option *option = option_find(command, words[*index], &argument);
+    if (!option)
+        return complain("%s has no option '%s'; 'bcifs help %s' lists them", command->name, words[*index],
+                        command->name);
+    if (!option->argument && argument)
+        return complain("%s takes no argument", option->name);
+    if (option->argument && !argument) {
+        if (*index + 1 == count)
+            return complain("%s needs an argument: %s", option->name, option->argument);
+        argument = words[++*index];
+    }
+    return option_store(arguments, option->name, argument);
+}
+
+int arguments_read(const struct command *command, int count, char **words, struct arguments *arguments)
+{
+    bool only_files = false;
+    for (int i = 0; i < count; i++) {
+        const char *word = words[i];
+        if (!only_files && (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)) {
+            command_help(command);
+            return -1;
+        }
+        if (!only_files && strcmp(word, "--") == 0) {
+            only_files = true;
+        } else if (!only_files && word[0] == '-' && word[1] != '\0') {
+            int status = option_read(command, count, words, &i, arguments);
+            if (status)
+                return status;
+        } else if (arguments->file) {
+            return complain("one file at a time: '%s' and '%s'", arguments->file, word);
+        } else {
+            arguments->file = word;
+        }
+    }
+    if (!arguments->file)
+        return complain("usage: bcifs %s %s", command->name, command->usage);
+    return EXIT_YES;
+}
+
+void command_help(const struct command *command)
+{
+    printf("Usage: bcifs %s %s\n\n%s\n", command->name, command->usage, command->summary);
+    if (command->text)
+        printf("\n%s", command->text);
+    printf("\nOptions:\n");
+    for (const struct option *option = command->options; option->name; option++) {
+        char left[64];
+        snprintf(left, sizeof left, "%s%s%s", option->name, option->argument ? " " : "",
+                 option->argument ? option->argument : "");
+        printf("  %-24s %s\n", left, option->text);
+    }
+}

@@ -1,0 +1,70 @@
+/* Command: what the subcommands of `bcifs` share: the table of them, options, loading, diagnostics.
+ *
+ * The command is a program like any other that links the library: it uses include/bcifs.h only. */
+#ifndef COMMAND_COMMAND_H
+#define COMMAND_COMMAND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "bcifs.h"
+
+/* Exit status, design section 5. */
+enum { EXIT_YES = 0, EXIT_NO = 1, EXIT_INPUT = 2, EXIT_SYSTEM = 3 };
+
+struct option {
+    const char *name;     /* "--depth" */
+    const char *argument; /* "n", or NULL for a flag */
+    const char *text;     /* one line of help */
+};
+
+enum { MOST_SETTINGS = 256, MOST_POSITIONS = 256, MOST_LAYERS = 64 };
+
+/* What was said on the command line. A command looks at what its options may set. */
+struct arguments {
+    const char *file;
+    const char *settings[MOST_SETTINGS]; /* --set */
+    size_t setting_count;
+    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width;
+    const char *positions[MOST_POSITIONS]; /* --at and --address, in their order */
+    bool is_address[MOST_POSITIONS];
+    size_t position_count;
+    bool json, quiet, strict, polygon, check;
+    int argument_count; /* of the whole command line, for pictures */
+    char **words;
+};
+
+struct command {
+    const char *name;
+    const char *usage;   /* "FILE [options]" */
+    const char *summary; /* one line */
+    const char *text;    /* what more there is to say, or NULL */
+    const struct option *options; /* ends with a NULL name */
+    int (*run)(const struct arguments *arguments);
+};
+
+extern const struct command command_check, command_eval, command_fmt;
+
+/* NULL past the last. */
+const struct command *command_at(size_t index);
+
+/* Fills `arguments` from the words after the command's name. Exits are the caller's: EXIT_YES to go on, EXIT_INPUT
+ * after a complaint, -1 when help was asked for and printed. */
+int arguments_read(const struct command *command, int count, char **words, struct arguments *arguments);
+void command_help(const struct command *command);
+
+/* "bcifs: " and a message on standard error; returns EXIT_INPUT. */
+int complain(const char *format, ...);
+/* Prints an error that no reporter has seen and returns the exit status that goes with it. */
+int fail(bcifs_status status, const bcifs_error *error);
+int exit_of(bcifs_status status);
+
+/* Loads the automaton; its diagnostics go to standard error. `quiet` leaves out warnings. */
+int automaton_load(const struct arguments *arguments, bcifs_automaton **automaton);
+/* Options for library calls that report: `context` must be `arguments`. */
+bcifs_load_options load_options(const struct arguments *arguments);
+
+/* Writes text to the output (standard output without -o) and frees it; NULL text: no memory. */
+int text_output(const struct arguments *arguments, char *text);
+
+#endif

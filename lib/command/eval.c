@@ -1,0 +1,432 @@
+/* bcifs eval: points of a figure, as data or as a picture. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "command.h"
+
+enum {
+    DEFAULT_POINTS = 4096,        /* depth is chosen for about so many when none is given */
+    DEFAULT_DENSITY = 1 << 20,    /* in a density picture */
+    MOST_SEED = 1024
+};
+
+/* Everything that one evaluation owns. */
+struct evaluation {
+    const struct arguments *arguments;
+    bcifs_automaton *automaton;
+    bcifs_figure *figure;
+    double *points;
+    bcifs_plan *plans[MOST_LAYERS];
+    bcifs_layer layers[MOST_LAYERS];
+    size_t layer_count;
+    double seed[MOST_SEED];
+    const char *format;
+    time_t began;
+    bool progress_shown;
+};
+
+/* ---- Options ------------------------------------------------------------------------------------------- */
+
+/* A number written as an expression: 1/3. `length` bytes of `text`. */
+static int number_read(const char *option, const char *text, size_t length, double *number)
+{
+    char copy[256];
+    bcifs_error error;
+    if (length == 0 || length >= sizeof copy)
+        return complain("%s: expected a number, found '%.40s'", option, text);
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    if (bcifs_number_read(copy, number, &error) != BCIFS_OK)
+        return complain("%s: expected a number, found '%s': %s", option, copy, error.message);
+    return EXIT_YES;
+}
+
+static int unsigned_read(const char *option, const char *text, unsigned *number)
+{
+    double value;
+    int status = number_read(option, text, strlen(text), &value);
+    if (status)
+        return status;
+    if (!(value >= 0 && value <= 1e6 && value == floor(value)))
+        return complain("%s: expected a whole number from 0 to 1000000, found '%s'", option, text);
+    *number = (unsigned)value;
+    return EXIT_YES;
+}
+
+/* limit | control | seed:b0,b1,… */
+static int show_read(struct evaluation *evaluation, bcifs_view *view)
+{
+    const char *show = evaluation->arguments->show;
+    if (!show || strcmp(show, "limit") == 0)
+        return EXIT_YES;
+    if (strcmp(show, "control") == 0) {
+        view->show = BCIFS_CONTROL;
+        return EXIT_YES;
+    }
+    if (strncmp(show, "seed:", 5) != 0)
+        return complain("--show: expected limit, control or seed:b0,b1,…, found '%s'", show);
+    view->show = BCIFS_SEED;
+    view->seed = evaluation->seed;
+    for (const char *field = show + 5;;) {
+        size_t length = strcspn(field, ",");
+        if (view->seed_count == MOST_SEED)
+            return complain("--show: a seed has at most %d coordinates", MOST_SEED);
+        int status = number_read("--show seed", field, length, &evaluation->seed[view->seed_count++]);
+        if (status || field[length] == '\0')
+            return status;
+        field += length + 1;
+    }
+}
+
+/* t0..t1 */
+static int range_read(const char *range, bcifs_view *view)
+{
+    const char *dots = range ? strstr(range, "..") : NULL;
+    if (!range)
+        return EXIT_YES;
+    if (!dots)
+        return complain("--range: expected t0..t1, found '%s'", range);
+    int status = number_read("--range", range, (size_t)(dots - range), &view->from);
+    if (status == EXIT_YES)
+        status = number_read("--range", dots + 2, strlen(dots + 2), &view->to);
+    if (status == EXIT_YES && !(view->from >= 0 && view->from <= view->to && view->to <= 1 && view->to > 0))
+        return complain("--range: expected 0 <= t0 <= t1 <= 1 and t1 > 0, found '%s'", range);
+    return status;
+}
+
+static int format_index(const char *format, size_t *index)
+{
+    for (*index = 0; bcifs_format_name(*index); ++*index)
+        if (strcmp(bcifs_format_name(*index), format) == 0)
+            return EXIT_YES;
+    return EXIT_INPUT;
+}
+
+/* Whether the output is a picture, and which format goes to standard output. */
+static bool output_is_picture(struct evaluation *evaluation)
+{
+    const struct arguments *arguments = evaluation->arguments;
+    const char *ending = arguments->output ? strrchr(arguments->output, '.') : NULL;
+    size_t index;
+    evaluation->format = arguments->json && !arguments->format ? "json" : arguments->format;
+    const char *name = evaluation->format ? evaluation->format : ending ? ending + 1 : "csv";
+    return format_index(name, &index) == EXIT_YES && bcifs_format_is_picture(index);
+}
+
+/* ---- Layers -------------------------------------------------------------------------------------------- */
+
+static int layer_add(struct evaluation *evaluation, const bcifs_view *view, bcifs_role role)
+{
+    bcifs_error error;
+    if (evaluation->layer_count == MOST_LAYERS)
+        return complain("a picture has at most %d layers", MOST_LAYERS);
+    bcifs_plan **plan = &evaluation->plans[evaluation->layer_count];
+    bcifs_status status = bcifs_plan_create(evaluation->figure, view, plan, &error);
+    if (status)
+        return fail(status, &error);
+    evaluation->layers[evaluation->layer_count++] = (bcifs_layer){*plan, role};
+    return EXIT_YES;
+}
+
+/* --levels a,b,c: coarser levels over the curve. */
+static int levels_add(struct evaluation *evaluation, bcifs_view view)
+{
+    const char *field = evaluation->arguments->levels;
+    while (field) {
+        size_t length = strcspn(field, ",");
+        char word[16];
+        if (length == 0 || length >= sizeof word)
+            return complain("--levels: expected depths such as 0,1,2, found '%s'", evaluation->arguments->levels);
+        memcpy(word, field, length);
+        word[length] = '\0';
+        int status = unsigned_read("--levels", word, &view.depth);
+        if (status == EXIT_YES)
+            status = layer_add(evaluation, &view, BCIFS_LEVEL);
+        if (status)
+            return status;
+        field = field[length] ? field + length + 1 : NULL;
+    }
+    return EXIT_YES;
+}
+
+static int layers_make(struct evaluation *evaluation)
+{
+    const struct arguments *arguments = evaluation->arguments;
+    bool picture = output_is_picture(evaluation);
+    bcifs_view view = {.from = 0, .to = 1};
+    int status = show_read(evaluation, &view);
+    if (status == EXIT_YES)
+        status = range_read(arguments->range, &view);
+    bool density = picture && bcifs_figure_is_attractor(evaluation->figure) && view.show != BCIFS_CONTROL;
+    if (status == EXIT_YES && arguments->depth)
+        status = unsigned_read("--depth", arguments->depth, &view.depth);
+    else
+        view.depth = bcifs_figure_depth(evaluation->figure, density ? DEFAULT_DENSITY : DEFAULT_POINTS);
+    if (status == EXIT_YES && !picture && (arguments->polygon || arguments->levels))
+        return complain("--polygon and --levels are for pictures: -o x.svg or -o x.png");
+    if (status == EXIT_YES)
+        status = layer_add(evaluation, &view, BCIFS_CURVE);
+    if (status == EXIT_YES)
+        status = levels_add(evaluation, view);
+    bcifs_view polygon = {.show = BCIFS_CONTROL, .to = 1};
+    if (status == EXIT_YES && arguments->polygon)
+        status = layer_add(evaluation, &polygon, BCIFS_POLYGON);
+    return status;
+}
+
+/* ---- Output -------------------------------------------------------------------------------------------- */
+
+/* The command line as one could type it again. */
+static char *command_line(const struct arguments *arguments)
+{
+    size_t length = 1;
+    for (int i = 0; i < arguments->argument_count; i++)
+        length += 4 * strlen(arguments->words[i]) + 3;
+    char *line = malloc(length), *end = line;
+    if (!line)
+        return NULL;
+    for (int i = 0; i < arguments->argument_count; i++) {
+        const char *word = i == 0 ? "bcifs" : arguments->words[i];
+        bool plain = word[0] && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                             "-_./=:,+%@") == strlen(word);
+        if (i > 0)
+            *end++ = ' ';
+        if (!plain)
+            *end++ = '\'';
+        for (; *word; word++) {
+            if (*word == '\'') {
+                memcpy(end, "'\\'", 3);
+                end += 3;
+            }
+            *end++ = *word;
+        }
+        if (!plain)
+            *end++ = '\'';
+    }
+    *end = '\0';
+    return line;
+}
+
+/* After the first second, and then once a second. */
+static void progress(void *context, double done)
+{
+    struct evaluation *evaluation = context;
+    time_t now = time(NULL);
+    if (now - evaluation->began < 2)
+        return;
+    evaluation->began = now - 1;
+    evaluation->progress_shown = true;
+    fprintf(stderr, "\r%3d %%", (int)(100 * done));
+    fflush(stderr);
+}
+
+static int layers_write(struct evaluation *evaluation)
+{
+    const struct arguments *arguments = evaluation->arguments;
+    bcifs_error error;
+    unsigned width = 0;
+    char *line = command_line(arguments);
+    int status = arguments->width ? unsigned_read("--width", arguments->width, &width) : EXIT_YES;
+    if (status == EXIT_YES) {
+        bcifs_write_options options = {
+            .format = evaluation->format, .command = line, .width = width, .context = evaluation};
+        if (!arguments->quiet && isatty(STDERR_FILENO))
+            options.progress = progress;
+        evaluation->began = time(NULL);
+        bcifs_status written = bcifs_write(evaluation->figure, evaluation->layers, evaluation->layer_count,
+                                           arguments->output ? arguments->output : "-", &options, &error);
+        if (evaluation->progress_shown)
+            fputs("\r     \r", stderr);
+        status = written ? fail(written, &error) : EXIT_YES;
+    }
+    free(line);
+    return status;
+}
+
+/* ---- Single points ------------------------------------------------------------------------------------- */
+
+static int position_evaluate(const struct evaluation *evaluation, size_t index, double *point)
+{
+    const char *position = evaluation->arguments->positions[index];
+    bcifs_error error;
+    bcifs_status found;
+    if (evaluation->arguments->is_address[index]) {
+        found = bcifs_point_at_address(evaluation->figure, position, point, &error);
+    } else {
+        double t;
+        int status = number_read("--at", position, strlen(position), &t);
+        if (status)
+            return status;
+        if (!(t >= 0 && t <= 1))
+            return complain("--at: the parameter lies in 0..1, found '%s'", position);
+        found = bcifs_point_at(evaluation->figure, t, point, &error);
+    }
+    return found ? fail(found, &error) : EXIT_YES;
+}
+
+enum { ROW = 16 * 42 + 8 /* bytes of a point, written */ };
+
+static size_t header_print(char *out, unsigned dimension)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    size_t length = 0;
+    for (unsigned i = 0; i < dimension; i++)
+        length += (size_t)(dimension <= 3 ? sprintf(out + length, "%s%s", i ? "," : "", names[i])
+                                          : sprintf(out + length, "%sx%u", i ? "," : "", i));
+    out[length++] = '\n';
+    out[length] = '\0';
+    return length;
+}
+
+static size_t row_print(char *out, const double *point, unsigned dimension, bool json, bool last)
+{
+    size_t length = 0;
+    if (json)
+        out[length++] = '[';
+    for (unsigned i = 0; i < dimension; i++) {
+        if (i > 0)
+            out[length++] = ',';
+        length += bcifs_number_text(out + length, point[i]);
+    }
+    if (json)
+        out[length++] = ']';
+    if (json && !last)
+        out[length++] = ',';
+    out[length++] = '\n';
+    out[length] = '\0';
+    return length;
+}
+
+static int positions_write(struct evaluation *evaluation)
+{
+    const struct arguments *arguments = evaluation->arguments;
+    unsigned dimension = bcifs_figure_dimension(evaluation->figure);
+    size_t count = arguments->position_count, length = 0;
+    bool json = arguments->json || (arguments->format && strcmp(arguments->format, "json") == 0);
+    if (arguments->format && !json && strcmp(arguments->format, "csv") != 0)
+        return complain("single points are written as csv or json");
+    char *text = malloc((count + 2) * ROW);
+    double point[16];
+    bcifs_error error;
+    int status = text ? EXIT_YES : EXIT_SYSTEM;
+    if (text)
+        length = json ? (size_t)sprintf(text, "{\"points\": [\n") : header_print(text, dimension);
+    for (size_t i = 0; i < count && status == EXIT_YES; i++) {
+        status = position_evaluate(evaluation, i, point);
+        if (status == EXIT_YES)
+            length += row_print(text + length, point, dimension, json, i + 1 == count);
+    }
+    if (status == EXIT_YES && json)
+        length += (size_t)sprintf(text + length, "]}\n");
+    if (status == EXIT_YES) {
+        bcifs_status written = bcifs_write_text(arguments->output ? arguments->output : "-", text, length, &error);
+        status = written ? fail(written, &error) : EXIT_YES;
+    }
+    free(text);
+    return status;
+}
+
+/* ---- The command --------------------------------------------------------------------------------------- */
+
+/* Points shared by neighbors are written once, so what is drawn must be proved to meet. */
+static int equations_check(const struct evaluation *evaluation)
+{
+    bcifs_check *check;
+    bcifs_error error;
+    bcifs_load_options options = load_options(evaluation->arguments);
+    bcifs_status status = bcifs_check_create(evaluation->automaton, &options, &check, &error);
+    if (status)
+        return exit_of(status);
+    bool valid = bcifs_check_valid(check);
+    for (size_t i = 0; !valid && i < bcifs_check_equation_count(check); i++) {
+        const bcifs_equation *equation = bcifs_check_equation(check, i);
+        if (equation->holds)
+            continue;
+        fprintf(stderr, "%s:%u: error: '%s' does not satisfy %s; 'bcifs check' shows why\n", equation->file,
+                equation->line, equation->state, equation->text);
+        break;
+    }
+    bcifs_check_free(check);
+    return valid ? EXIT_YES : EXIT_NO;
+}
+
+static int figure_make(struct evaluation *evaluation)
+{
+    const struct arguments *arguments = evaluation->arguments;
+    bcifs_figure_options options = {.figure = arguments->figure, .state = arguments->state};
+    bcifs_load_options reading = load_options(arguments);
+    bcifs_error error;
+    if (arguments->points) {
+        bcifs_status read = bcifs_points_read(arguments->points, &reading, &evaluation->points,
+                                              &options.point_count, &options.dimension, &error);
+        if (read)
+            return exit_of(read);
+        options.points = evaluation->points;
+    }
+    bcifs_status status = bcifs_figure_create(evaluation->automaton, &options, &evaluation->figure, &error);
+    return status ? fail(status, &error) : EXIT_YES;
+}
+
+static int evaluate(struct evaluation *evaluation)
+{
+    int status = equations_check(evaluation);
+    if (status == EXIT_YES)
+        status = figure_make(evaluation);
+    if (status)
+        return status;
+    if (evaluation->arguments->position_count > 0)
+        return positions_write(evaluation);
+    status = layers_make(evaluation);
+    return status ? status : layers_write(evaluation);
+}
+
+static int run(const struct arguments *arguments)
+{
+    struct evaluation evaluation = {.arguments = arguments};
+    if (arguments->figure && arguments->state)
+        return complain("--figure and --state exclude each other");
+    int status = automaton_load(arguments, &evaluation.automaton);
+    if (status)
+        return status;
+    status = evaluate(&evaluation);
+    for (size_t i = 0; i < evaluation.layer_count; i++)
+        bcifs_plan_free(evaluation.plans[i]);
+    bcifs_figure_free(evaluation.figure);
+    bcifs_points_free(evaluation.points);
+    bcifs_automaton_free(evaluation.automaton);
+    return status;
+}
+
+static const struct option options_list[] = {
+    {"--depth", "n", "subdivide n times (default: about 4096 points)"},
+    {"--show", "WHAT", "limit (points of the curve), control, or seed:b0,b1,… of the joint"},
+    {"--at", "t", "the point at parameter t, 0..1; may be repeated"},
+    {"--address", "p.WORD", "the point at an address: piece, then map indices; may be repeated"},
+    {"--range", "t0..t1", "only the points of the depth with parameters in the range"},
+    {"--figure", "NAME", "which figure of the file (default: the first)"},
+    {"--state", "NAME", "draw one state on its own, on the points of --points"},
+    {"--points", "FILE", "control points from CSV, one a row, instead of the figure's"},
+    {"--set", "NAME=EXPR", "give a param a value; may be repeated"},
+    {"-o", "FILE", "where to write; the ending names the format; - is standard output"},
+    {"--format", "NAME", "csv, json, f64, npy, svg or png"},
+    {"--json", NULL, "the same as --format json"},
+    {"--polygon", NULL, "pictures: draw the control polygon too"},
+    {"--levels", "a,b,…", "pictures: lay these depths over the curve"},
+    {"--width", "PIXELS", "pictures: their width (default 1000)"},
+    {"--quiet", NULL, "no warnings, no progress"},
+    {NULL, NULL, NULL},
+};
+
+const struct command command_eval = {
+    .name = "eval",
+    .usage = "FILE [options]",
+    .summary = "evaluates a figure: points as data, curves and attractors as pictures",
+    .text = "For a curve, limit points are those of the curve itself; control points are the control polygon of\n"
+            "the depth. For cells, --show control draws the control frame under all words of the depth.\n",
+    .options = options_list,
+    .run = run,
+};

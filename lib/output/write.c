@@ -1,0 +1,53 @@
+/* Write: the public side of this floor. */
+#include "automaton/automaton.h"
+#include "base/memory.h"
+#include "automaton/figure.h"
+#include "output/format.h"
+#include "output/picture.h"
+
+bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, size_t layer_count,
+                         const char *path, const bcifs_write_options *options, bcifs_error *error)
+{
+    static const bcifs_write_options defaults = {0};
+    struct report report = report_new(NULL);
+    const bcifs_automaton *automaton = figure_automaton(figure);
+    const struct source *sources[AUTOMATON_MOST_MODULES];
+    options = options ? options : &defaults;
+    struct job job = {.layer_count = layer_count,
+                      .automaton = bcifs_automaton_name(automaton),
+                      .title = bcifs_automaton_title(automaton),
+                      .figure = bcifs_figure_name(figure),
+                      .command = options->command,
+                      .sources = sources,
+                      .width = options->width ? options->width : PICTURE_DEFAULT_WIDTH,
+                      .progress = options->progress,
+                      .context = options->context,
+                      .report = &report};
+    for (; job.source_count < automaton->module_count && job.source_count < AUTOMATON_MOST_MODULES;
+         job.source_count++)
+        sources[job.source_count] = automaton->modules[job.source_count]->source;
+    struct layer *drawn = memory_new(layer_count, sizeof *drawn);
+    job.layers = drawn;
+    for (size_t i = 0; drawn && i < layer_count; i++)
+        drawn[i] = (struct layer){points_of_plan(layers[i].plan), layers[i].role};
+    const struct format *format = drawn ? format_find(options->format, path, &report) : NULL;
+    if (!drawn)
+        report_memory(&report);
+    else if (layer_count == 0)
+        report_failure(&report, BCIFS_INPUT, NULL, "there is nothing to write");
+    else if (format)
+        format_write(format, &job, path);
+    memory_free(drawn);
+    return report_close(&report, error);
+}
+
+bcifs_status bcifs_write_text(const char *path, const char *text, size_t length, bcifs_error *error)
+{
+    struct report report = report_new(NULL);
+    struct file file;
+    if (file_open(&file, path, &report) == BCIFS_OK) {
+        file_write(&file, text, length);
+        file_close(&file, BCIFS_OK);
+    }
+    return report_close(&report, error);
+}
