@@ -78,6 +78,7 @@ typedef struct bcifs_automaton bcifs_automaton;
 typedef struct bcifs_load_options {
     const char *const *settings; /* "NAME=EXPRESSION": values for the file's params */
     size_t setting_count;
+    int fix_params;         /* take every param at its value, as if it were set: none is free in equations */
     bcifs_reporter *report; /* called for every diagnostic (at most 20 errors), or NULL */
     void *context;          /* handed to `report` */
 } bcifs_load_options;

@@ -50,8 +50,7 @@ static bcifs_status load(bcifs_automaton *automaton, const struct source *source
     bcifs_status status = module_load(automaton, source, NULL, NULL, report, &module);
     if (automaton->module_count == 0 || status == BCIFS_MEMORY)
         return status;
-    bcifs_status parameters = parameters_bind(automaton, options ? options->settings : NULL,
-                                              options ? options->setting_count : 0, report);
+    bcifs_status parameters = parameters_bind(automaton, options, report);
     status = status ? status : parameters;
     if (status)
         return status;

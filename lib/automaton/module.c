@@ -323,15 +323,15 @@ static bcifs_status lets_resolve(const struct module *module, struct report *rep
     return status;
 }
 
-bcifs_status parameters_bind(bcifs_automaton *automaton, const char *const *settings, size_t setting_count,
-                             struct report *report)
+bcifs_status parameters_bind(bcifs_automaton *automaton, const bcifs_load_options *options, struct report *report)
 {
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < automaton->module_count; i++) {
         bcifs_status lets = lets_resolve(automaton->modules[i], report);
         status = status ? status : lets;
     }
-    bcifs_status set = settings_read(automaton, settings, setting_count, report);
+    bcifs_status set =
+        options ? settings_read(automaton, options->settings, options->setting_count, report) : BCIFS_OK;
     status = status ? status : set;
     struct value *values = arena_new(&automaton->arena, automaton->parameter_count, sizeof *values);
     if (!values)
@@ -346,6 +346,8 @@ bcifs_status parameters_bind(bcifs_automaton *automaton, const char *const *sett
             status = parameter_range(parameter, values, i, report);
         values[i] = parameter->value;
     }
+    for (size_t i = 0; options && options->fix_params && i < automaton->parameter_count; i++)
+        automaton->parameters[i].is_set = true;
     automaton->values = values;
     return status;
 }

@@ -14,8 +14,8 @@ struct module *module_named(const bcifs_automaton *automaton, const struct modul
 /* "owner.name", or just the name in the main file. */
 char *module_qualify(bcifs_automaton *automaton, const struct module *module, const char *name);
 
-/* Evaluates the params in order, those in `settings` ("NAME=EXPRESSION") from there; then resolves every let. */
-bcifs_status parameters_bind(bcifs_automaton *automaton, const char *const *settings, size_t setting_count,
+/* Resolves every let and evaluates the params in order, those in options->settings from there. */
+bcifs_status parameters_bind(bcifs_automaton *automaton, const bcifs_load_options *options,
                              struct report *report);
 
 #endif

@@ -22,7 +22,7 @@ static struct value small_fraction(uint64_t *state)
 /* A number in the parameter's range, or near its value. */
 static struct value somewhere(const struct parameter *parameter, uint64_t *state)
 {
-    double share = (double)(field_random(state) % 16 + 1) / 17;
+    double share = (double)(field_random(state) % 15 + 1) / 16;
     if (parameter->has_range)
         return value_from_real(parameter->low + share * (parameter->high - parameter->low));
     double real = parameter->value.real;

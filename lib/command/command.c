@@ -64,6 +64,7 @@ bcifs_load_options load_options(const struct arguments *arguments)
 {
     return (bcifs_load_options){.settings = arguments->settings,
                                 .setting_count = arguments->setting_count,
+                                .fix_params = arguments->fix_params,
                                 .report = print_diagnostic,
                                 .context = (void *)arguments};
 }

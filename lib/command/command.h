@@ -30,6 +30,7 @@ struct arguments {
     bool is_address[MOST_POSITIONS];
     size_t position_count;
     bool json, quiet, strict, polygon, check;
+    bool fix_params; /* what is computed is for the params' values only */
     int argument_count; /* of the whole command line, for pictures */
     char **words;
 };

@@ -386,10 +386,13 @@ static int evaluate(struct evaluation *evaluation)
 
 static int run(const struct arguments *arguments)
 {
-    struct evaluation evaluation = {.arguments = arguments};
+    /* A picture is of the params' values, so the equations need hold for those only. */
+    struct arguments fixed = *arguments;
+    struct evaluation evaluation = {.arguments = &fixed};
+    fixed.fix_params = true;
     if (arguments->figure && arguments->state)
         return complain("--figure and --state exclude each other");
-    int status = automaton_load(arguments, &evaluation.automaton);
+    int status = automaton_load(&fixed, &evaluation.automaton);
     if (status)
         return status;
     status = evaluate(&evaluation);
