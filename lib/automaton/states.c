@@ -288,3 +288,30 @@ bcifs_status states_limit(struct states *states, size_t index, double *point)
     }
     return status ? status : limit_refuse(states, walk->visited[0], "its maps do not converge");
 }
+
+bcifs_status states_boundary_point(struct states *states, size_t index, int boundary, const double *point,
+                                    double *column)
+{
+    bcifs_status status = states_expand(states, index);
+    if (status)
+        return status;
+    const struct state *state = &states->states[index];
+    size_t joint = states->states[state->boundaries[boundary]].points;
+    matrix_multiply(state->operators[boundary], point, state->points, joint, 1, column);
+    return BCIFS_OK;
+}
+
+bcifs_status states_end_limit(struct states *states, size_t index, bool at_end, double *column)
+{
+    if (states->states[index].key.definition->kind != CELL_EDGE)
+        return states_limit(states, index, column);
+    bcifs_status status = states_expand(states, index);
+    if (status)
+        return status;
+    size_t vertex = states->states[index].boundaries[at_end];
+    double *point = arena_new(states->arena, states->states[vertex].points, sizeof *point);
+    if (!point)
+        return out_of_memory(states);
+    status = states_limit(states, vertex, point);
+    return status ? status : states_boundary_point(states, index, at_end, point, column);
+}

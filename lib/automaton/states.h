@@ -42,6 +42,11 @@ bcifs_status states_expand(struct states *states, size_t index);
 /* The limit point of a state under its first map again and again, in its barycentric coordinates (`point`: as many
  * numbers as the state has points). For the vertex state of a joint it is c^s, [IM] (3). */
 bcifs_status states_limit(struct states *states, size_t index, double *point);
+/* column = Π_β v: a point of boundary `boundary`, carried into the state's own coordinates. */
+bcifs_status states_boundary_point(struct states *states, size_t index, int boundary, const double *point,
+                                   double *column);
+/* The limit point at the start (or end) of an edge state; for a cell that of its first map. */
+bcifs_status states_end_limit(struct states *states, size_t index, bool at_end, double *column);
 /* "p(1,2,1)": a state's name with its arguments, for messages. */
 void state_name(const struct state_key *key, struct text *text);
 

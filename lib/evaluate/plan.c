@@ -89,34 +89,6 @@ static bcifs_status counts_make(const struct states *states, size_t n, const siz
 
 /* ---- What a cell contributes --------------------------------------------------------------------------- */
 
-/* column = Π_β v. */
-static bcifs_status boundary_column(struct states *states, size_t index, int boundary, const double *point,
-                                    double *column)
-{
-    bcifs_status status = states_expand(states, index);
-    if (status)
-        return status;
-    const struct state *state = &states->states[index];
-    size_t joint = states->states[state->boundaries[boundary]].points;
-    matrix_multiply(state->operators[boundary], point, state->points, joint, 1, column);
-    return BCIFS_OK;
-}
-
-bcifs_status leaf_limit(struct states *states, size_t index, bool at_end, double *column)
-{
-    if (states->states[index].key.definition->kind != CELL_EDGE)
-        return states_limit(states, index, column);
-    bcifs_status status = states_expand(states, index);
-    if (status)
-        return status;
-    size_t vertex = states->states[index].boundaries[at_end];
-    double *point = arena_new(states->arena, states->states[vertex].points, sizeof *point);
-    if (!point)
-        return BCIFS_MEMORY;
-    status = states_limit(states, vertex, point);
-    return status ? status : boundary_column(states, index, at_end, point, column);
-}
-
 static bcifs_status plan_refuse(const struct bcifs_plan *plan, const char *format, const char *name)
 {
     struct report *report = plan->states.setting.report;
@@ -142,7 +114,7 @@ static bcifs_status leaf_seed(struct bcifs_plan *plan, size_t index, bool at_end
                                    : "one for each control point of the cell",
                               plan->seed_count);
     if (edge)
-        return boundary_column(states, index, at_end, plan->seed, column);
+        return states_boundary_point(states, index, at_end, plan->seed, column);
     memcpy(column, plan->seed, wanted * sizeof *column);
     return BCIFS_OK;
 }
@@ -202,7 +174,7 @@ static bcifs_status leaf_make(struct bcifs_plan *plan, size_t index, bool at_end
     if (!numbers)
         return BCIFS_MEMORY;
     *columns = (struct columns){numbers, 1};
-    return plan->show == BCIFS_LIMIT ? leaf_limit(&plan->states, index, at_end, numbers)
+    return plan->show == BCIFS_LIMIT ? states_end_limit(&plan->states, index, at_end, numbers)
                                      : leaf_seed(plan, index, at_end, numbers);
 }
 

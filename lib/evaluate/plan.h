@@ -58,8 +58,4 @@ struct bcifs_plan {
 /* P·C for the piece's own control points: dimension × points of its state, row after row. */
 void piece_gather(const bcifs_figure *figure, const struct piece *piece, size_t points, double *matrix);
 
-/* The point of a state's space that stands for a cell in it: the limit of the start vertex, for a cell of its
- * first map. `column` has as many numbers as the state has points. */
-bcifs_status leaf_limit(struct states *states, size_t state, bool at_end, double *column);
-
 #endif

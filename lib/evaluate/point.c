@@ -65,7 +65,7 @@ static bcifs_status descent_point(struct descent *descent, bool at_end, double *
     size_t points = descent->states.states[descent->state].points;
     double *column = arena_new(&descent->arena, points, sizeof *column);
     bcifs_status status =
-        column ? leaf_limit(&descent->states, descent->state, at_end, column) : report_memory(&descent->report);
+        column ? states_end_limit(&descent->states, descent->state, at_end, column) : report_memory(&descent->report);
     if (status)
         return status;
     matrix_multiply(descent->matrix, column, descent->figure->dimension, points, 1, point);

@@ -15,4 +15,21 @@
 /* A spectral radius is taken to reach 1 from here on; rounding leaves an isometry just below or above. */
 #define TOLERANCE_RADIUS 1e-9
 
+/* A vector whose part outside a span is a smaller share of it than this lies in the span. Vectors come from a few
+ * products and one linear solution, so true parts are lost only when maps contract a billion times. */
+#define TOLERANCE_RANK 1e-9
+
+/* Eigenvalues closer than this (relative to the largest) count as one. Rounding splits an eigenvalue whose Jordan
+ * block has size q by about 1e-16^(1/q): 1e-8 for 2, 5e-6 for 3. */
+#define TOLERANCE_CLUSTER 1e-5
+
+/* Moduli of different clusters closer than this are tied. Means of clusters are good to about 1e-12. */
+#define TOLERANCE_TIED 1e-9
+
+/* M - λ I has a null vector for a mean λ of a cluster when a pivot is below this share of M. */
+#define TOLERANCE_NULL 1e-8
+
+/* Unit directions that differ by less are the same: they come from null vectors. */
+#define TOLERANCE_DIRECTION 1e-6
+
 #endif
