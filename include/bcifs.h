@@ -150,6 +150,97 @@ BCIFS_PUBLIC void bcifs_check_contraction(const bcifs_check *check, double *lowe
 BCIFS_PUBLIC char *bcifs_check_json(const bcifs_check *check);
 BCIFS_PUBLIC char *bcifs_check_text(const bcifs_check *check);
 
+/* ---- Tangents and smoothness ---------------------------------------------------------------------------- */
+
+/* What is found of every edge state that the file's figures reach: eigenvalues of its maps, half-tangents at its
+ * ends and at the junctions of its children, certified smoothness; and of the joints of every curve figure. */
+typedef struct bcifs_analysis bcifs_analysis;
+
+/* BCIFS_NO when an equation fails. `effort` scales the search for smoothness; 1 is usual. `options` (may be NULL) is
+ * used for its reporter. */
+BCIFS_PUBLIC bcifs_status bcifs_analysis_create(const bcifs_automaton *automaton, double effort,
+                                                const bcifs_load_options *options, bcifs_analysis **analysis,
+                                                bcifs_error *error);
+BCIFS_PUBLIC void bcifs_analysis_free(bcifs_analysis *analysis);
+/* The whole as one JSON object, or as text for a person; free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_analysis_json(const bcifs_analysis *analysis);
+BCIFS_PUBLIC char *bcifs_analysis_text(const bcifs_analysis *analysis);
+
+/* ---- Levels of description ------------------------------------------------------------------------------ */
+
+/* The class of every edge state and its three levels of description, [IM] 4; faces and cells are listed. */
+typedef struct bcifs_description bcifs_description;
+
+typedef struct bcifs_describe_options {
+    const char *state; /* this one only; NULL: all */
+    unsigned depth;    /* the level of the refinement matrices; 1 is T_÷ itself */
+} bcifs_describe_options;
+
+/* `options` may be NULL: all states, depth 1. A state with arguments is described for the first ones that a figure of
+ * the file gives it. */
+BCIFS_PUBLIC bcifs_status bcifs_describe(const bcifs_automaton *automaton, const bcifs_describe_options *options,
+                                         bcifs_description **description, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_description_free(bcifs_description *description);
+/* The whole as one JSON object, or as text for a person; free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_description_json(const bcifs_description *description);
+BCIFS_PUBLIC char *bcifs_description_text(const bcifs_description *description);
+
+typedef enum bcifs_level {
+    BCIFS_MAPS,       /* subdivision matrices: sub */
+    BCIFS_REFINEMENT, /* the fused matrix T_÷: refine */
+    BCIFS_MASK        /* one row: mask */
+} bcifs_level;
+
+/* The automaton's main file with its edges written at `level`, in canonical layout; free with bcifs_text_free.
+ * BCIFS_NO, with the reason in `error`, when an edge cannot be written so. Params that were set keep their new value. */
+BCIFS_PUBLIC bcifs_status bcifs_rewrite(const bcifs_automaton *automaton, bcifs_level level, char **text,
+                                        bcifs_error *error);
+
+/* ---- Completion ---------------------------------------------------------------------------------------- */
+
+/* An automaton whose entries written `?` were solved for: the barycentric, incidence and adjacency equations are linear
+ * in them. What the equations leave free becomes new params. */
+typedef struct bcifs_complete bcifs_complete;
+
+/* One of the scalar equations that contradict each other: entry (row, column), from 0, of a matrix equation. */
+typedef struct bcifs_conflict {
+    const char *state;
+    bcifs_equation_kind kind;
+    const char *equation; /* such as "T0·end = T1·start" */
+    size_t row, column;
+    const char *reason; /* NULL, or why it fails whatever the numbers are, in words */
+    const char *file;   /* where the map or boundary stands */
+    unsigned line;
+} bcifs_conflict;
+
+/* Solves the equations exactly, over the rationals. An answer "no", equations that contradict each other, is BCIFS_OK
+ * with bcifs_complete_consistent() = 0. BCIFS_INPUT: an entry that is not rational, fractions beyond 64 bits, `?` where
+ * the equations are not linear, more than 4096 unknowns. Params keep their names where known entries are linear in them;
+ * others, and those that were set when loading, are taken at their values and become `let`s. An automaton without `?`
+ * is checked, as by bcifs_check_create. `options` (may be NULL) is used for its reporter. */
+BCIFS_PUBLIC bcifs_status bcifs_complete_create(const bcifs_automaton *automaton,
+                                                const bcifs_load_options *options, bcifs_complete **complete,
+                                                bcifs_error *error);
+BCIFS_PUBLIC void bcifs_complete_free(bcifs_complete *complete);
+/* The number of entries `?`, and of scalar equations: entries of all matrix equations, known ones included. */
+BCIFS_PUBLIC size_t bcifs_complete_unknowns(const bcifs_complete *complete);
+BCIFS_PUBLIC size_t bcifs_complete_equations(const bcifs_complete *complete);
+BCIFS_PUBLIC int bcifs_complete_consistent(const bcifs_complete *complete);
+/* The number of new params; 0 when inconsistent. */
+BCIFS_PUBLIC size_t bcifs_complete_degrees_of_freedom(const bcifs_complete *complete);
+/* The name of a degree of freedom, in order of appearance; NULL past the last. */
+BCIFS_PUBLIC const char *bcifs_complete_parameter(const bcifs_complete *complete, size_t index);
+/* The completed file in canonical layout, as long as the handle lives; NULL when inconsistent. `bcifs check` proves
+ * it: its equations hold identically in all its params. */
+BCIFS_PUBLIC const char *bcifs_complete_automaton(const bcifs_complete *complete);
+/* The equations that contradict each other, none of which can be left out; NULL past the last. And what they come to:
+ * "0 = 1/4", or "" when they fail for a reason in words or there is no conflict. */
+BCIFS_PUBLIC const bcifs_conflict *bcifs_complete_conflict(const bcifs_complete *complete, size_t index);
+BCIFS_PUBLIC const char *bcifs_complete_contradiction(const bcifs_complete *complete);
+/* The whole as one JSON object; the conflict in words, "" without one. Free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_complete_json(const bcifs_complete *complete);
+BCIFS_PUBLIC char *bcifs_complete_text(const bcifs_complete *complete);
+
 /* ---- Figures and their evaluation ---------------------------------------------------------------------- */
 
 typedef struct bcifs_figure bcifs_figure;
@@ -161,6 +252,7 @@ typedef struct bcifs_figure_options {
     const double *points;
     size_t point_count;
     unsigned dimension;
+    int unplaced; /* with `state`: no points are needed, as only the basis or the refinement is wanted */
 } bcifs_figure_options;
 
 /* Binds a figure to its control points; `options` may be NULL. Refuses one whose automaton has entries `?`. */
@@ -236,17 +328,27 @@ BCIFS_PUBLIC void bcifs_walker_seek(bcifs_walker *walker, uint64_t index);
  * 0 at the end. The same point has the same bits whatever the capacity and the place where the walk began. */
 BCIFS_PUBLIC size_t bcifs_walker_next(bcifs_walker *walker, double *points, size_t capacity);
 
+/* The half-tangents at both ends of every cell of level `level` of a curve figure, as segments to be drawn: from
+ * the point forward at a start, to the point at an end. count × 2 points of the figure's dimension, a twentieth of
+ * the figure's size long; free with bcifs_points_free. */
+BCIFS_PUBLIC bcifs_status bcifs_analysis_segments(const bcifs_analysis *analysis, const bcifs_figure *figure,
+                                                  unsigned level, double **segments, size_t *count,
+                                                  bcifs_error *error);
+
 /* ---- Files --------------------------------------------------------------------------------------------- */
 
 typedef enum bcifs_role {
     BCIFS_CURVE,   /* drawn as a line, or as a density picture when its points are loose */
     BCIFS_POLYGON, /* drawn as a control polygon with its points marked */
-    BCIFS_LEVEL    /* a coarser level laid over the curve */
+    BCIFS_LEVEL,   /* a coarser level laid over the curve */
+    BCIFS_TANGENT  /* half-tangents */
 } bcifs_role;
 
 typedef struct bcifs_layer {
-    const bcifs_plan *plan;
+    const bcifs_plan *plan; /* or NULL: */
     bcifs_role role;
+    const double *segments; /* segment_count pairs of points of the figure's dimension */
+    size_t segment_count;
 } bcifs_layer;
 
 /* Called now and then during long work with the share that is done, 0..1. */
@@ -267,6 +369,27 @@ BCIFS_PUBLIC bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_la
                                       const char *path, const bcifs_write_options *options, bcifs_error *error);
 /* Writes `length` bytes of text to `path` under the same promises. */
 BCIFS_PUBLIC bcifs_status bcifs_write_text(const char *path, const char *text, size_t length, bcifs_error *error);
+
+/* Writes the level-`depth` refinement matrix of a curve or attractor, the figure's control points × the control points
+ * of the level in the order of BCIFS_CONTROL, [IM] 5.1: sparse, MatrixMarket coordinates (.mtx). Memory does not grow
+ * with the number of columns. Of `options` only the command is used. */
+BCIFS_PUBLIC bcifs_status bcifs_write_refinement(const bcifs_figure *figure, unsigned depth, const char *path,
+                                                 const bcifs_write_options *options, bcifs_error *error);
+/* Draws the automaton itself, states as nodes, maps and boundaries as labeled arrows: format dot (Graphviz) or svg. */
+BCIFS_PUBLIC bcifs_status bcifs_write_graph(const bcifs_automaton *automaton, const char *path,
+                                            const bcifs_write_options *options, bcifs_error *error);
+
+/* The blending functions H_k of a curve at level `level`, [IM] 5.2, at the parameters of depth `depth` >= level. */
+typedef struct bcifs_basis_view {
+    unsigned depth, level;
+} bcifs_basis_view;
+
+/* How many they are: the control points of the level. */
+BCIFS_PUBLIC bcifs_status bcifs_basis_count(const bcifs_figure *figure, unsigned level, uint64_t *count,
+                                            bcifs_error *error);
+/* Writes them as a table (csv: t,h0,h1,…) or draws them (svg, png). */
+BCIFS_PUBLIC bcifs_status bcifs_write_basis(const bcifs_figure *figure, const bcifs_basis_view *view, const char *path,
+                                            const bcifs_write_options *options, bcifs_error *error);
 
 /* The formats that bcifs_write knows: name, and one line on what it is; NULL past the last. */
 BCIFS_PUBLIC const char *bcifs_format_name(size_t index);

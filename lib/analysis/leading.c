@@ -30,26 +30,45 @@ static double modulus(const struct cluster *cluster)
     return hypot(cluster->re, cluster->im);
 }
 
-/* Groups the eigenvalues of nonnegative imaginary part; a pair is represented by its upper half. */
-static void cluster_eigenvalues(struct work *work)
+/* The distance below which q eigenvalues may be one whose Jordan block has size q, split by rounding. */
+static double cluster_radius(const struct work *work, size_t q)
 {
-    double near = TOLERANCE_CLUSTER * work->scale;
-    for (size_t i = 0; i < work->size; i++) {
-        double im = fabs(work->im[i]) <= near ? 0 : work->im[i];
-        struct cluster *home = NULL;
-        if (im < 0)
-            continue;
-        for (size_t k = 0; k < work->cluster_count && !home; k++)
-            if (hypot(work->clusters[k].re - work->re[i], work->clusters[k].im - im) <= near)
-                home = &work->clusters[k];
-        if (!home) {
-            home = &work->clusters[work->cluster_count++];
-            *home = (struct cluster){0, 0, 0};
+    return TOLERANCE_CLUSTER * pow(1e-16, 1 / (double)q) * work->scale;
+}
+
+/* Makes a cluster of eigenvalue `first` and those near it when there are at least q. */
+static void cluster_try(struct work *work, size_t first, size_t q, bool *taken)
+{
+    struct cluster cluster = {0, 0, 0};
+    double radius = cluster_radius(work, q);
+    for (size_t i = 0; i < work->size; i++)
+        if (!taken[i] && hypot(work->re[i] - work->re[first], work->im[i] - work->im[first]) <= radius) {
+            double share = 1 / (double)++cluster.count;
+            cluster.re += share * (work->re[i] - cluster.re);
+            cluster.im += share * (work->im[i] - cluster.im);
         }
-        double share = 1 / (double)++home->count;
-        home->re += share * (work->re[i] - home->re);
-        home->im += share * (im - home->im);
-    }
+    if (cluster.count < q)
+        return;
+    for (size_t i = 0; i < work->size; i++)
+        taken[i] = taken[i] || hypot(work->re[i] - work->re[first], work->im[i] - work->im[first]) <= radius;
+    if (fabs(cluster.im) <= TOLERANCE_TIED * work->scale)
+        cluster.im = 0;
+    /* A pair is represented by its upper half. */
+    if (cluster.im >= 0)
+        work->clusters[work->cluster_count++] = cluster;
+}
+
+/* Groups the eigenvalues: large groups first, because what splits a large block splits it further. */
+static bcifs_status cluster_eigenvalues(struct work *work)
+{
+    bool *taken = arena_new(work->arena, work->size, sizeof *taken);
+    if (!taken)
+        return BCIFS_MEMORY;
+    for (size_t q = work->size; q > 0; q--)
+        for (size_t i = 0; i < work->size; i++)
+            if (!taken[i])
+                cluster_try(work, i, q, taken);
+    return BCIFS_OK;
 }
 
 /* (M - λ)^power for real λ, or ((M - re)² + im²)^power for a pair. */
@@ -270,6 +289,6 @@ bcifs_status leading_find(const double *m, size_t size, struct arena *arena, str
             return BCIFS_OK;
         }
     }
-    cluster_eigenvalues(&work);
-    return choose(&work, leading);
+    bcifs_status status = cluster_eigenvalues(&work);
+    return status ? status : choose(&work, leading);
 }

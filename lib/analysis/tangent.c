@@ -70,7 +70,8 @@ static bcifs_status arcs_collect(struct finder *finder)
     if (!finder->arcs)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < finder->states->count; i++) {
-        if (finder->states->states[i].key.definition->kind != CELL_EDGE)
+        const struct definition *definition = finder->states->states[i].key.definition;
+        if (definition->kind != CELL_EDGE || definition->form == DEFINITION_PRODUCT)
             continue;
         bcifs_status status = states_expand(finder->states, i);
         if (status == BCIFS_OK)
@@ -93,6 +94,16 @@ static struct arc *child_arc(const struct finder *finder, const struct arc *arc,
     return &finder->arcs[finder->arc_of[finder->states->states[arc->state].children[child]]];
 }
 
+/* Adds a difference of points of the arc (destroyed), unless it is rounding only: coordinates are of order 1. */
+static void space_add(struct arc *arc, double *difference)
+{
+    double largest = 0;
+    for (size_t j = 0; j < arc->points; j++)
+        largest = fmax(largest, fabs(difference[j]));
+    if (largest > TOLERANCE_RANK)
+        subspace_add(arc->space, &arc->dimension, arc->points, difference);
+}
+
 /* Adds what the children contribute: T_i (differences of child i) and T_i H_i(0) - H(0). */
 static bool space_grow(const struct finder *finder, struct arc *arc)
 {
@@ -104,16 +115,10 @@ static bool space_grow(const struct finder *finder, struct arc *arc)
         matrix_multiply(state->maps[i], child->ends[0], arc->points, child->points, 1, vector);
         for (size_t j = 0; j < arc->points; j++)
             vector[j] -= arc->ends[0][j];
-        /* A difference that is rounding only has no direction. */
-        if (i > 0)
-            subspace_add(arc->space, &arc->dimension, arc->points, vector);
+        space_add(arc, vector);
         for (size_t k = 0; k < child->dimension; k++) {
             matrix_multiply(state->maps[i], child->space + k * child->points, arc->points, child->points, 1, vector);
-            double size = 0;
-            for (size_t j = 0; j < arc->points; j++)
-                size = fmax(size, fabs(vector[j]));
-            if (size > TOLERANCE_RANK)
-                subspace_add(arc->space, &arc->dimension, arc->points, vector);
+            space_add(arc, vector);
         }
     }
     return arc->dimension > before;
@@ -123,13 +128,10 @@ static void spaces_find(struct finder *finder)
 {
     for (size_t i = 0; i < finder->count; i++) {
         struct arc *arc = &finder->arcs[i];
-        double chord[TANGENT_MOST_POINTS], largest = 0;
-        for (size_t j = 0; j < arc->points; j++) {
+        double chord[TANGENT_MOST_POINTS];
+        for (size_t j = 0; j < arc->points; j++)
             chord[j] = arc->ends[1][j] - arc->ends[0][j];
-            largest = fmax(largest, fabs(chord[j]));
-        }
-        if (largest > TOLERANCE_RANK)
-            subspace_add(arc->space, &arc->dimension, arc->points, chord);
+        space_add(arc, chord);
     }
     for (bool grown = true; grown;) {
         grown = false;
@@ -309,7 +311,7 @@ static void append_eigenvalue(struct text *text, const struct leading *leading)
 
 static void append_decision(struct text *text, const struct leading *leading)
 {
-    static const char *const times[] = {"", "", "double ", "triple "};
+    static const char *const times[] = {"", "", "double", "triple"};
     text_append(text, "the subdominant eigenvalue ");
     append_eigenvalue(text, leading);
     if (leading->multiplicity == 1)
@@ -319,7 +321,7 @@ static void append_decision(struct text *text, const struct leading *leading)
     else
         text_format(text, " has multiplicity %zu", leading->multiplicity);
     if (leading->multiplicity > 1 && leading->block > 1)
-        text_append(text, "and its map shears: directions settle, but slowly");
+        text_append(text, " and its map shears: directions settle, but slowly");
 }
 
 static void append_spiral(struct text *text, const struct leading *leading)

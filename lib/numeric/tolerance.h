@@ -19,9 +19,9 @@
  * products and one linear solution, so true parts are lost only when maps contract a billion times. */
 #define TOLERANCE_RANK 1e-9
 
-/* Eigenvalues closer than this (relative to the largest) count as one. Rounding splits an eigenvalue whose Jordan
- * block has size q by about 1e-16^(1/q): 1e-8 for 2, 5e-6 for 3. */
-#define TOLERANCE_CLUSTER 1e-5
+/* Rounding splits an eigenvalue whose Jordan block has size q by about 1e-16^(1/q) times the condition of its
+ * eigenvectors: q eigenvalues within this factor of that (relative to the largest) count as one. */
+#define TOLERANCE_CLUSTER 20
 
 /* Moduli of different clusters closer than this are tied. Means of clusters are good to about 1e-12. */
 #define TOLERANCE_TIED 1e-9
@@ -31,5 +31,19 @@
 
 /* Unit directions that differ by less are the same: they come from null vectors. */
 #define TOLERANCE_DIRECTION 1e-6
+
+/* Bounds of a joint spectral radius that are relatively this close need no more search; a product, or an image of a
+ * vertex, that exceeds the best one by less is not followed up. */
+#define TOLERANCE_JOINT 1e-9
+
+/* Bounds that are this close differ by rounding only: the radius is that of the product that attains the lower one. */
+#define TOLERANCE_EXACT 1e-11
+
+/* An image of a vertex counts as strictly inside an invariant polytope from this distance on. */
+#define TOLERANCE_INSIDE 1e-8
+
+/* q_k T = N^-k q_k holds for maps known in doubles when no pivot of the equations exceeds this share of the entries:
+ * masks of 20 coefficients lose five digits to k-th differences. */
+#define TOLERANCE_REPRODUCTION 1e-9
 
 #endif

@@ -17,7 +17,7 @@ static const double ROUNDING = 0x1p-45, SHORTEST = 1e-290;
 
 /* The curve is nearly black, the control polygon stands back in gray-blue. */
 static const struct color INK = {0x1c, 0x1c, 0x1c}, POLYGON_LINE = {0x93, 0xa6, 0xba},
-                          POLYGON_MARKER = {0x5b, 0x76, 0x94};
+                          POLYGON_MARKER = {0x5b, 0x76, 0x94}, TANGENT_LINE = {0xc6, 0x28, 0x28};
 
 /* Levels run from ochre to deep blue. Lightness falls all the way, so that the order also shows in gray print
  * and to color-blind eyes. */
@@ -61,6 +61,10 @@ static struct style style_of(const struct layer *layer, size_t level, size_t lev
         style.line_width = 1.0;
         style.marker_size = 5.0;
     }
+    if (layer->role == BCIFS_TANGENT) {
+        style.line = style.marker = TANGENT_LINE;
+        style.line_width = 1.6;
+    }
     if (layer->points.polygon > 0 && layer->role != BCIFS_POLYGON) {
         style.fill = 0.12;
         style.line_width = 0.7;
@@ -72,10 +76,12 @@ static struct style style_of(const struct layer *layer, size_t level, size_t lev
 
 static int role_rank(bcifs_role role)
 {
-    return role == BCIFS_POLYGON ? 0 : role == BCIFS_LEVEL ? 1 : 2;
+    static const int ranks[] = {
+        [BCIFS_POLYGON] = 0, [BCIFS_LEVEL] = 1, [BCIFS_CURVE] = 2, [BCIFS_TANGENT] = 3};
+    return ranks[role];
 }
 
-/* Whether layer `a` is drawn before `b`: polygons, then levels from coarse to fine, then curves. */
+/* Whether layer `a` is drawn before `b`: polygons, then levels from coarse to fine, curves, half-tangents. */
 static bool layer_precedes(const struct job *job, size_t a, size_t b)
 {
     const struct layer *one = &job->layers[a], *other = &job->layers[b];

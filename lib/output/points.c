@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "output/job.h"
@@ -45,6 +46,56 @@ struct point_source points_of_plan(const bcifs_plan *plan)
                                  .open = plan_open,
                                  .next = plan_next,
                                  .close = plan_close};
+}
+
+/* ---- Points of segments -------------------------------------------------------------------------------- */
+
+struct segments_walk {
+    const struct segments *segments;
+    size_t next; /* point */
+};
+
+static bcifs_path segments_path(const void *origin, size_t index)
+{
+    (void)origin;
+    return (bcifs_path){2 * (uint64_t)index, 2, 0};
+}
+
+static bcifs_status segments_open(const void *origin, void **walk, bcifs_error *error)
+{
+    struct segments_walk *fresh = memory_new(1, sizeof *fresh);
+    if (!fresh) {
+        struct report report = report_new(NULL);
+        report_memory(&report);
+        return report_close(&report, error);
+    }
+    fresh->segments = origin;
+    *walk = fresh;
+    return BCIFS_OK;
+}
+
+static size_t segments_next(void *walk, double *points, size_t capacity)
+{
+    struct segments_walk *own = walk;
+    const struct segments *segments = own->segments;
+    size_t left = 2 * segments->count - own->next, count = left < capacity ? left : capacity;
+    if (count > 0)
+        memcpy(points, segments->points + own->next * segments->dimension,
+               count * segments->dimension * sizeof *points);
+    own->next += count;
+    return count;
+}
+
+struct point_source points_of_segments(const struct segments *segments)
+{
+    return (struct point_source){.count = 2 * (uint64_t)segments->count,
+                                 .dimension = segments->dimension,
+                                 .path_count = segments->count,
+                                 .origin = segments,
+                                 .path = segments_path,
+                                 .open = segments_open,
+                                 .next = segments_next,
+                                 .close = memory_free};
 }
 
 bool points_are_loose(const struct point_source *source)

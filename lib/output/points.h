@@ -27,6 +27,13 @@ struct point_source {
 };
 
 struct point_source points_of_plan(const bcifs_plan *plan);
+/* Pairs of points, each a path of its own. */
+struct segments {
+    const double *points;
+    size_t count; /* of pairs */
+    unsigned dimension;
+};
+struct point_source points_of_segments(const struct segments *segments);
 /* Whether the points form neither paths nor polygons. */
 bool points_are_loose(const struct point_source *source);
 

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "output/format.h"
 #include "output/picture.h"
-#include "output/unicode.h"
+#include "output/xml.h"
 
 enum {
     POINTS_MOST = 1 << 24, /* written points; a file of some 200 MB, more than any viewer takes */
@@ -25,28 +25,6 @@ struct drawing {
 };
 
 /* ---- Words --------------------------------------------------------------------------------------------- */
-
-/* Text, or the value of an attribute in double quotes. XML has no way to hold a few characters at all. */
-static void xml_write(struct file *file, const char *text)
-{
-    for (struct unicode next = unicode_first(text); next.length > 0; next = unicode_next(&next)) {
-        uint32_t code = next.code;
-        if (code == '<')
-            file_text(file, "&lt;");
-        else if (code == '>')
-            file_text(file, "&gt;");
-        else if (code == '&')
-            file_text(file, "&amp;");
-        else if (code == '"')
-            file_text(file, "&quot;");
-        else if (code == '\r')
-            file_text(file, "&#13;");
-        else if ((code < 0x20 && code != '\t' && code != '\n') || code == 0xfffe || code == 0xffff)
-            file_text(file, "\xef\xbf\xbd");
-        else
-            file_write(file, next.bytes, next.length);
-    }
-}
 
 static void count_write(struct file *file, uint64_t count, const char *what, const char *of)
 {
@@ -68,6 +46,9 @@ static void layer_describe(struct file *file, const struct layer *layer)
     } else if (source->polygon > 0) {
         file_integer(file, source->count / source->polygon);
         count_write(file, source->polygon, " control frames", " of ");
+    } else if (layer->role == BCIFS_TANGENT) {
+        file_integer(file, source->path_count);
+        file_text(file, " half-tangents");
     } else if (source->path_count == 1) {
         file_text(file, source->path(source->origin, 0).closed ? "closed " : "open ");
         count_write(file, source->count, name, " of ");
@@ -421,7 +402,7 @@ static bcifs_status dots_draw(struct drawing *drawing, size_t layer)
 static bcifs_status layer_draw(struct drawing *drawing, size_t index)
 {
     static const char *const kinds[] = {
-        [BCIFS_CURVE] = "curve", [BCIFS_POLYGON] = "polygon", [BCIFS_LEVEL] = "level"};
+        [BCIFS_CURVE] = "curve", [BCIFS_POLYGON] = "polygon", [BCIFS_LEVEL] = "level", [BCIFS_TANGENT] = "tangent"};
     const struct layer *layer = &drawing->picture.job->layers[index];
     const struct style *style = &drawing->picture.styles[index];
     bool loose = points_are_loose(&layer->points);

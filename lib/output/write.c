@@ -27,16 +27,21 @@ bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, 
          job.source_count++)
         sources[job.source_count] = automaton->modules[job.source_count]->source;
     struct layer *drawn = memory_new(layer_count, sizeof *drawn);
+    struct segments *segments = memory_new(layer_count, sizeof *segments);
     job.layers = drawn;
-    for (size_t i = 0; drawn && i < layer_count; i++)
-        drawn[i] = (struct layer){points_of_plan(layers[i].plan), layers[i].role};
-    const struct format *format = drawn ? format_find(options->format, path, &report) : NULL;
-    if (!drawn)
+    for (size_t i = 0; drawn && segments && i < layer_count; i++) {
+        segments[i] = (struct segments){layers[i].segments, layers[i].segment_count, bcifs_figure_dimension(figure)};
+        drawn[i] = (struct layer){
+            layers[i].plan ? points_of_plan(layers[i].plan) : points_of_segments(&segments[i]), layers[i].role};
+    }
+    const struct format *format = drawn && segments ? format_find(options->format, path, &report) : NULL;
+    if (!drawn || !segments)
         report_memory(&report);
     else if (layer_count == 0)
         report_failure(&report, BCIFS_INPUT, NULL, "there is nothing to write");
     else if (format)
         format_write(format, &job, path);
+    memory_free(segments);
     memory_free(drawn);
     return report_close(&report, error);
 }

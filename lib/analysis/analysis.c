@@ -1,0 +1,298 @@
+#include "analysis.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "automaton/proof.h"
+#include "numeric/eigen.h"
+#include "numeric/matrix.h"
+#include "numeric/tolerance.h"
+
+/* ---- Edges --------------------------------------------------------------------------------------------- */
+
+static bcifs_status spectra_find(struct bcifs_analysis *analysis, struct edge_analysis *edge)
+{
+    const struct state *state = &analysis->states.states[edge->state];
+    size_t m = edge->points;
+    struct spectrum *maps = arena_new(&analysis->arena, edge->child_count, sizeof *maps);
+    if (!maps)
+        return BCIFS_MEMORY;
+    edge->maps = maps;
+    for (size_t i = 0; i < edge->child_count; i++) {
+        if (analysis->states.states[state->children[i]].points != m)
+            continue;
+        double *copy = arena_grow(&analysis->arena, state->maps[i], m * m, m * m, sizeof *copy);
+        double *re = arena_new(&analysis->arena, m, sizeof *re), *im = arena_new(&analysis->arena, m, sizeof *im);
+        if (!copy || !re || !im)
+            return BCIFS_MEMORY;
+        if (!eigenvalues(copy, m, re, im))
+            continue;
+        /* A double eigenvalue that rounding has split into a pair is shown as what it is. */
+        for (size_t k = 0; k < m; k++)
+            if (fabs(im[k]) <= 1e-8 * TOLERANCE_CLUSTER * hypot(re[0], im[0]))
+                im[k] = 0;
+        maps[i] = (struct spectrum){re, im, m};
+    }
+    return BCIFS_OK;
+}
+
+static const char *junction_reason(const struct half_tangent *end, const struct half_tangent *start,
+                                   const struct junction *junction)
+{
+    if (!end->direction)
+        return end->reason;
+    if (!start->direction)
+        return start->reason;
+    if (!junction->left || !junction->right)
+        return "a map collapses the direction";
+    return "the half-tangents on both sides point different ways";
+}
+
+/* T_i (end of child i) and T_{i+1} (start of child i + 1), both in the parent's coordinates. */
+static bcifs_status junction_find(struct bcifs_analysis *analysis, struct edge_analysis *edge, size_t i)
+{
+    const struct state *state = &analysis->states.states[edge->state];
+    struct junction *junction = &edge->junctions[i];
+    const struct half_tangent *halves[2] = {&tangents_of(&analysis->tangents, state->children[i])->ends[1],
+                                            &tangents_of(&analysis->tangents, state->children[i + 1])->ends[0]};
+    const double **sides[2] = {&junction->left, &junction->right};
+    for (size_t side = 0; side < 2; side++) {
+        double *mapped = arena_new(&analysis->arena, edge->points, sizeof *mapped);
+        if (!mapped)
+            return BCIFS_MEMORY;
+        size_t points = analysis->states.states[state->children[i + side]].points;
+        if (halves[side]->direction &&
+            direction_map(state->maps[i + side], halves[side]->direction, edge->points, points, mapped))
+            *sides[side] = mapped;
+    }
+    junction->tangent_continuous =
+        junction->left && junction->right && direction_equal(junction->left, junction->right, edge->points);
+    if (!junction->tangent_continuous)
+        junction->reason = junction_reason(halves[0], halves[1], junction);
+    return BCIFS_OK;
+}
+
+static bcifs_status edge_analyze(struct bcifs_analysis *analysis, const struct arc_tangents *arc,
+                                 struct edge_analysis *edge)
+{
+    const struct state *state = &analysis->states.states[arc->state];
+    struct text name = {0};
+    state_name(&state->key, &name);
+    *edge = (struct edge_analysis){.name = name.failed ? NULL : arena_text(&analysis->arena, name.data, name.length),
+                                   .state = arc->state,
+                                   .points = state->points,
+                                   .child_count = state->cell->child_count,
+                                   .ends = arc->ends,
+                                   .tangent_continuous = true};
+    text_free(&name);
+    edge->junctions = arena_new(&analysis->arena, edge->child_count, sizeof *edge->junctions);
+    if (!edge->name || !edge->junctions)
+        return BCIFS_MEMORY;
+    bcifs_status status = spectra_find(analysis, edge);
+    for (size_t i = 0; i + 1 < edge->child_count && status == BCIFS_OK; i++) {
+        status = junction_find(analysis, edge, i);
+        edge->tangent_continuous = edge->tangent_continuous && edge->junctions[i].tangent_continuous;
+    }
+    return status;
+}
+
+static struct edge_analysis *edge_of(struct bcifs_analysis *analysis, size_t state)
+{
+    for (size_t i = 0; i < analysis->edge_count; i++)
+        if (analysis->edges[i].state == state)
+            return &analysis->edges[i];
+    return NULL;
+}
+
+/* A junction deeper down is the image of one of a child: the property passes from children to parents. */
+static void continuity_spread(struct bcifs_analysis *analysis)
+{
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (size_t i = 0; i < analysis->edge_count; i++) {
+            struct edge_analysis *edge = &analysis->edges[i];
+            const struct state *state = &analysis->states.states[edge->state];
+            for (size_t k = 0; k < edge->child_count && edge->tangent_continuous; k++)
+                if (!edge_of(analysis, state->children[k])->tangent_continuous) {
+                    edge->tangent_continuous = false;
+                    changed = true;
+                }
+        }
+    }
+}
+
+/* ---- Figures ------------------------------------------------------------------------------------------- */
+
+/* Adds a piece's direction, in the figure's control points. */
+static void direction_scatter(const struct piece *piece, const double *direction, size_t points, double *figure)
+{
+    for (size_t j = 0; j < points; j++)
+        figure[piece->indices[j]] += direction[j];
+}
+
+/* Whether two directions, spread over the figure's points, agree; clears them again. Closed figures of few points
+ * may use one twice, so lengths are measured anew. */
+static bool scattered_equal(const struct piece *const pieces[2], const size_t points[2], double *const sides[2])
+{
+    double square[2] = {0, 0}, product = 0;
+    for (int p = 0; p < 2; p++)
+        for (size_t j = 0; j < points[p]; j++) {
+            size_t index = pieces[p]->indices[j];
+            square[0] += sides[0][index] * sides[0][index];
+            square[1] += sides[1][index] * sides[1][index];
+            product += sides[0][index] * sides[1][index];
+            sides[0][index] = sides[1][index] = 0;
+        }
+    double both = sqrt(square[0] * square[1]);
+    /* |a - b|² = 2 - 2 cos for unit vectors. */
+    return both > 0 && 1 - product / both <= TOLERANCE_DIRECTION * TOLERANCE_DIRECTION / 2 + 4e-16;
+}
+
+static bcifs_status pieces_compare(struct bcifs_analysis *analysis, const bcifs_figure *figure, size_t a, size_t b,
+                                   double *const sides[2], bool *continuous)
+{
+    const struct piece *pieces[2] = {&figure->pieces[a], &figure->pieces[b]};
+    const struct half_tangent *halves[2];
+    size_t points[2];
+    *continuous = false;
+    for (int side = 0; side < 2; side++) {
+        struct state_key key = figure->states.states[pieces[side]->state].key;
+        size_t state;
+        bcifs_status status = states_intern(&analysis->states, key, &state);
+        const struct arc_tangents *arc = status ? NULL : tangents_of(&analysis->tangents, state);
+        if (!arc)
+            return status ? status : BCIFS_INPUT;
+        halves[side] = &arc->ends[side == 0];
+        points[side] = analysis->states.states[state].points;
+    }
+    if (!halves[0]->direction || !halves[1]->direction)
+        return BCIFS_OK;
+    direction_scatter(pieces[0], halves[0]->direction, points[0], sides[0]);
+    direction_scatter(pieces[1], halves[1]->direction, points[1], sides[1]);
+    *continuous = scattered_equal(pieces, points, sides);
+    return BCIFS_OK;
+}
+
+static bcifs_status figure_junctions(struct bcifs_analysis *analysis, const bcifs_figure *figure,
+                                     struct figure_analysis *result)
+{
+    struct arena *arena = &analysis->arena;
+    size_t(*between)[2] = arena_new(arena, figure->piece_count, sizeof *between);
+    bool *continuous = arena_new(arena, figure->piece_count, sizeof *continuous);
+    double *sides[2] = {arena_new(arena, figure->point_count, sizeof(double)),
+                        arena_new(arena, figure->point_count, sizeof(double))};
+    if (!between || !continuous || !sides[0] || !sides[1])
+        return BCIFS_MEMORY;
+    *result = (struct figure_analysis){figure->name, 0, (const size_t(*)[2])between, continuous};
+    for (size_t c = 0; c < figure->chain_count; c++) {
+        const struct chain *chain = &figure->chains[c];
+        for (size_t i = 0; i + !chain->closed < chain->count; i++) {
+            size_t a = chain->first + i, b = chain->first + (i + 1) % chain->count, k = result->junction_count++;
+            between[k][0] = a;
+            between[k][1] = b;
+            bcifs_status status = pieces_compare(analysis, figure, a, b, sides, &continuous[k]);
+            if (status)
+                return status;
+        }
+    }
+    return BCIFS_OK;
+}
+
+static bcifs_status figures_analyze(struct bcifs_analysis *analysis)
+{
+    const bcifs_automaton *automaton = analysis->automaton;
+    analysis->figures = arena_new(&analysis->arena, automaton->figure_count, sizeof *analysis->figures);
+    if (!analysis->figures)
+        return BCIFS_MEMORY;
+    for (size_t i = 0; i < automaton->figure_count; i++) {
+        bcifs_figure figure = {0};
+        struct report silent = report_new(NULL);
+        bcifs_status status = figure_bind(&figure, automaton, &automaton->figures[i], NULL, &silent);
+        if (status == BCIFS_OK && figure.shape == FIGURE_CURVE)
+            status = figure_junctions(analysis, &figure, &analysis->figures[analysis->figure_count++]);
+        arena_free(&figure.arena);
+        if (status)
+            return status;
+    }
+    return BCIFS_OK;
+}
+
+/* ---- The whole ----------------------------------------------------------------------------------------- */
+
+/* The equations come first: without them arcs do not meet and nothing below means anything. */
+static bcifs_status equations_require(const bcifs_automaton *automaton, const bcifs_load_options *options,
+                                      struct report *report)
+{
+    bcifs_check *check;
+    bcifs_error error;
+    bcifs_status status = bcifs_check_create(automaton, options, &check, &error);
+    if (status) {
+        report->first = error; /* it has been reported already */
+        report->errors = 1;
+        return status;
+    }
+    for (size_t i = 0; i < bcifs_check_equation_count(check) && status == BCIFS_OK; i++) {
+        const bcifs_equation *equation = bcifs_check_equation(check, i);
+        if (!equation->holds)
+            status = report_failure(report, BCIFS_NO, equation->file,
+                                    "'%s' (line %u) does not satisfy %s; 'bcifs check' shows why", equation->state,
+                                    equation->line, equation->text);
+    }
+    bcifs_check_free(check);
+    return status;
+}
+
+static bcifs_status analyze(struct bcifs_analysis *analysis, double effort, struct report *report)
+{
+    bcifs_status status = states_of_figures(analysis->automaton, &analysis->states, &analysis->arena);
+    analysis->states.setting.report = report;
+    if (status == BCIFS_OK)
+        status = tangents_find(&analysis->states, &analysis->arena, &analysis->tangents);
+    if (status)
+        return status;
+    size_t count = analysis->tangents.count;
+    analysis->edges = arena_new(&analysis->arena, count, sizeof *analysis->edges);
+    if (!analysis->edges)
+        return BCIFS_MEMORY;
+    for (size_t i = 0; i < count && status == BCIFS_OK; i++) {
+        struct edge_analysis *edge = &analysis->edges[analysis->edge_count++];
+        status = edge_analyze(analysis, &analysis->tangents.arcs[i], edge);
+        if (status == BCIFS_OK)
+            status =
+                smoothness_find(&analysis->states, edge->state, effort, &analysis->arena, &edge->smoothness);
+    }
+    if (status)
+        return status;
+    continuity_spread(analysis);
+    return figures_analyze(analysis);
+}
+
+bcifs_status bcifs_analysis_create(const bcifs_automaton *automaton, double effort,
+                                   const bcifs_load_options *options, bcifs_analysis **analysis, bcifs_error *error)
+{
+    struct report report = report_new(options);
+    bcifs_analysis *fresh = memory_new(1, sizeof *fresh);
+    bcifs_status status = fresh ? equations_require(automaton, options, &report) : BCIFS_MEMORY;
+    if (status == BCIFS_OK) {
+        fresh->automaton = automaton;
+        status = analyze(fresh, effort, &report);
+    }
+    if (status == BCIFS_MEMORY && report.errors == 0)
+        report_memory(&report);
+    if (status) {
+        bcifs_analysis_free(fresh);
+        report_close(&report, error);
+        return status;
+    }
+    fresh->states.setting.report = NULL;
+    *analysis = fresh;
+    return BCIFS_OK;
+}
+
+void bcifs_analysis_free(bcifs_analysis *analysis)
+{
+    if (!analysis)
+        return;
+    arena_free(&analysis->arena);
+    memory_free(analysis);
+}

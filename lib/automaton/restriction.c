@@ -1,0 +1,329 @@
+#include "restriction.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "numeric/field.h"
+#include "numeric/rational.h"
+#include "numeric/tolerance.h"
+
+/* ---- Values -------------------------------------------------------------------------------------------- */
+
+/* The image of a double, m·2^e; 2 has order 61. */
+static uint64_t double_residue(double x)
+{
+    int exponent;
+    double mantissa = frexp(x, &exponent);
+    int shift = ((exponent - 53) % 61 + 61) % 61;
+    return field_multiply(field_from_integer((int64_t)ldexp(mantissa, 53)), UINT64_C(1) << shift);
+}
+
+double value_pin(struct value *value, double error)
+{
+    struct rational rational;
+    if (!value->exact || !value->fixed)
+        return error;
+    if (value->residue == 0) {
+        value->real = 0;
+        return 0;
+    }
+    if (double_residue(value->real) == value->residue)
+        return 0;
+    if (!rational_reconstruct(value->residue, value->real, &rational))
+        return error;
+    value->real = rational_real(rational);
+    double n = (double)rational.numerator, d = (double)rational.denominator;
+    bool small = fabs(n) < 0x1p53 && d < 0x1p53; /* n, d and their quotient are then rounded once at most */
+    if (small && fma(value->real, d, -n) == 0)
+        return 0;
+    return 2 * DBL_EPSILON * fabs(value->real);
+}
+
+/* a + factor·b. */
+static struct bounded_value add_multiple(struct bounded_value a, struct value factor, struct bounded_value b)
+{
+    struct bounded_value sum;
+    sum.value = value_add(a.value, value_multiply(factor, b.value));
+    double size = fabs(factor.real);
+    sum.error = (a.error + size * b.error + DBL_EPSILON * (fabs(a.value.real) + 2 * size * fabs(b.value.real))) *
+                (1 + 4 * DBL_EPSILON);
+    sum.error = value_pin(&sum.value, sum.error);
+    return sum;
+}
+
+/* ---- Equations ----------------------------------------------------------------------------------------- */
+
+static bool is_negligible(struct value value, double scale)
+{
+    return value.exact ? value.residue == 0 : fabs(value.real) <= TOLERANCE_REPRODUCTION * scale;
+}
+
+/* row <- row - factor·pivot row, from column `first` on. */
+static void row_eliminate(struct value *row, const struct value *pivot, struct value factor, size_t first,
+                          size_t unknowns)
+{
+    for (size_t j = first; j < unknowns; j++) {
+        if (value_is_zero(pivot[j]))
+            continue;
+        row[j] = value_subtract(row[j], value_multiply(factor, pivot[j]));
+        if (row[j].exact && row[j].residue == 0)
+            row[j].real = 0;
+    }
+}
+
+/* Brings the best pivot of column j among rows `rank` … to row `rank`. False when there is none. */
+static bool pivot_find(struct value *equations, size_t rows, size_t unknowns, size_t rank, size_t j, double scale)
+{
+    size_t best = rank;
+    for (size_t i = rank; i < rows; i++) {
+        struct value candidate = equations[i * unknowns + j], leader = equations[best * unknowns + j];
+        if (is_negligible(leader, scale) ||
+            (!is_negligible(candidate, scale) && fabs(candidate.real) > fabs(leader.real)))
+            best = i;
+    }
+    if (rank >= rows || is_negligible(equations[best * unknowns + j], scale))
+        return false;
+    for (size_t k = 0; k < unknowns && best != rank; k++) {
+        struct value keep = equations[best * unknowns + k];
+        equations[best * unknowns + k] = equations[rank * unknowns + k];
+        equations[rank * unknowns + k] = keep;
+    }
+    return true;
+}
+
+/* To reduced row echelon form; pivots[i] is the column that leads row i. Returns the rank. */
+static size_t equations_reduce(struct value *equations, size_t rows, size_t unknowns, size_t *pivots)
+{
+    double scale = 0;
+    size_t rank = 0;
+    for (size_t i = 0; i < rows * unknowns; i++)
+        scale = fmax(scale, fabs(equations[i].real));
+    for (size_t j = 0; j < unknowns; j++) {
+        if (!pivot_find(equations, rows, unknowns, rank, j, scale))
+            continue;
+        struct value *pivot = &equations[rank * unknowns], inverse = value_divide(value_from_integer(1), pivot[j]);
+        for (size_t k = 0; k < unknowns; k++)
+            pivot[k] = k == j ? value_from_integer(1) : value_multiply(pivot[k], inverse);
+        for (size_t i = 0; i < rows; i++) {
+            struct value factor = equations[i * unknowns + j];
+            if (i == rank || value_is_zero(factor))
+                continue;
+            row_eliminate(&equations[i * unknowns], pivot, factor, j, unknowns);
+            equations[i * unknowns + j] = value_from_integer(0);
+        }
+        pivots[rank++] = j;
+    }
+    return rank;
+}
+
+bcifs_status equations_solve(struct value *equations, size_t rows, size_t unknowns, bool inhomogeneous,
+                             struct arena *arena, struct value *solution, size_t *free)
+{
+    size_t *pivots = arena_new(arena, unknowns, sizeof *pivots);
+    if (!pivots)
+        return BCIFS_MEMORY;
+    size_t rank = equations_reduce(equations, rows, unknowns, pivots);
+    *free = 0;
+    for (size_t j = 0, i = 0; j < unknowns; j++) {
+        bool is_pivot = i < rank && pivots[i] == j;
+        i += is_pivot;
+        *free += !is_pivot;
+        int64_t choice = inhomogeneous ? j + 1 == unknowns : (int64_t)*free;
+        solution[j] = value_from_integer(is_pivot ? 0 : choice);
+    }
+    if (inhomogeneous && rank > 0 && pivots[rank - 1] + 1 == unknowns)
+        *free = 0;
+    for (size_t i = 0; i < rank; i++) {
+        struct value sum = value_from_integer(0);
+        for (size_t j = pivots[i] + 1; j < unknowns; j++)
+            sum = value_subtract(sum, value_multiply(equations[i * unknowns + j], solution[j]));
+        solution[pivots[i]] = sum; /* columns of other pivots are 0 in this row */
+    }
+    return BCIFS_OK;
+}
+
+/* ---- The chain of spaces ------------------------------------------------------------------------------- */
+
+/* Basis vectors of ker q, by pairs of places where q is not 0 (second > first), or one place where it is. */
+struct kernel {
+    size_t size;          /* of q */
+    const size_t *places; /* size: those with q != 0, rising, then the others, rising */
+    size_t support;
+    const struct value *ratios; /* ratios[a] = q[places[a]] / q[places[a+1]]: basis vector e_a - ratio e_a+1 */
+};
+
+/* A ratio of entries known in doubles that is nearly an integer is that integer: q is constant for masks. */
+static struct value ratio_make(struct value a, struct value b)
+{
+    struct value ratio = value_divide(a, b);
+    double nearest = nearbyint(ratio.real);
+    if (!ratio.exact && fabs(nearest) < 1e6 && fabs(ratio.real - nearest) <= TOLERANCE_REPRODUCTION * fabs(nearest))
+        ratio = value_from_integer((int64_t)nearest);
+    value_pin(&ratio, 0);
+    return ratio;
+}
+
+static bcifs_status kernel_make(const struct value *q, size_t size, struct arena *arena, struct kernel *kernel)
+{
+    size_t *places = arena_new(arena, size, sizeof *places), count = 0;
+    struct value *ratios = arena_new(arena, size, sizeof *ratios);
+    double scale = 0;
+    if (!places || !ratios)
+        return BCIFS_MEMORY;
+    for (size_t i = 0; i < size; i++)
+        scale = fmax(scale, fabs(q[i].real));
+    for (size_t i = 0; i < size; i++)
+        if (!is_negligible(q[i], scale))
+            places[count++] = i;
+    *kernel = (struct kernel){size, places, count, ratios};
+    for (size_t i = 0; i < size; i++)
+        if (is_negligible(q[i], scale))
+            places[count++] = i;
+    for (size_t a = 0; a + 1 < kernel->support; a++)
+        ratios[a] = ratio_make(q[places[a]], q[places[a + 1]]);
+    return BCIFS_OK;
+}
+
+/* Dimension of the kernel, and basis vector k as entries at one or two places. */
+static size_t kernel_dimension(const struct kernel *kernel)
+{
+    return kernel->support > 0 ? kernel->size - 1 : kernel->size;
+}
+
+/* A column in coordinates of the old basis, at stride `stride`, to its coordinates in the new one. What is left over
+ * at the last place is 0 for a column in the kernel; its size goes to `defect`. */
+static void kernel_coordinates(const struct kernel *kernel, const struct bounded_value *column, size_t stride,
+                               struct bounded_value *result, size_t result_stride, double *defect)
+{
+    struct bounded_value carry = {value_from_integer(0), 0};
+    size_t k = 0;
+    for (size_t a = 0; a < kernel->support; a++) {
+        struct value ratio = a > 0 ? kernel->ratios[a - 1] : value_from_integer(0);
+        carry = add_multiple(column[kernel->places[a] * stride], ratio, carry);
+        if (a + 1 < kernel->support)
+            result[k++ * result_stride] = carry;
+        else
+            *defect = fmax(*defect, fabs(carry.value.real));
+    }
+    for (size_t a = kernel->support; a < kernel->size; a++)
+        result[k++ * result_stride] = column[kernel->places[a] * stride];
+}
+
+/* R with A D = D' R, the columns of D and D' being the bases of the kernels. */
+static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *from, const struct kernel *to,
+                               double error, struct arena *arena)
+{
+    size_t rows = from->size, columns = to->size;
+    size_t new_rows = kernel_dimension(from), new_columns = kernel_dimension(to);
+    struct bounded_value *column = arena_new(arena, rows, sizeof *column);
+    struct bounded_value *entries = arena_new(arena, new_rows * new_columns, sizeof *entries);
+    double defect = 0;
+    bool exact = true;
+    if (!column || !entries)
+        return BCIFS_MEMORY;
+    for (size_t k = 0; k < new_columns; k++) {
+        bool pair = k + 1 < to->support;
+        size_t first = to->places[pair || to->support == 0 ? k : k + 1];
+        for (size_t i = 0; i < rows; i++) {
+            column[i] = map->entries[i * columns + first];
+            if (pair)
+                column[i] = add_multiple(column[i], value_negate(to->ratios[k]),
+                                         map->entries[i * columns + to->places[k + 1]]);
+            exact = exact && column[i].value.exact;
+        }
+        kernel_coordinates(from, column, 1, entries + k, new_columns, &defect);
+    }
+    for (size_t i = 0; i < new_rows * new_columns && !exact; i++)
+        entries[i].error += error + defect;
+    map->entries = entries;
+    return BCIFS_OK;
+}
+
+bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, double defect,
+                                struct arena *arena)
+{
+    struct kernel *kernels = arena_new(arena, restriction->count, sizeof *kernels);
+    size_t *dimensions = arena_new(arena, restriction->count, sizeof *dimensions);
+    bcifs_status status = kernels && dimensions ? BCIFS_OK : BCIFS_MEMORY;
+    for (size_t x = 0; x < restriction->count && status == BCIFS_OK; x++) {
+        status = kernel_make(q[x], restriction->dimensions[x], arena, &kernels[x]);
+        if (status == BCIFS_OK)
+            dimensions[x] = kernel_dimension(&kernels[x]);
+    }
+    for (size_t e = 0; e < restriction->map_count && status == BCIFS_OK; e++) {
+        struct restricted_map *map = &restriction->maps[e];
+        status = map_reduce(map, &kernels[map->from], &kernels[map->to], defect, arena);
+    }
+    restriction->dimensions = dimensions;
+    return status;
+}
+
+bcifs_status restriction_begin(struct restriction *restriction, const struct states *states, const size_t *list,
+                               size_t count, struct arena *arena)
+{
+    size_t *place = arena_new(arena, states->count, sizeof *place); /* in the list, from 1 */
+    const struct value **ones = arena_new(arena, count, sizeof *ones);
+    *restriction = (struct restriction){.count = count, .states = list, .exact = true};
+    restriction->dimensions = arena_new(arena, count, sizeof *restriction->dimensions);
+    if (!place || !ones || !restriction->dimensions)
+        return BCIFS_MEMORY;
+    size_t map_count = 0;
+    for (size_t x = 0; x < count; x++) {
+        const struct state *state = &states->states[list[x]];
+        place[list[x]] = x + 1;
+        map_count += state->cell->child_count;
+        struct value *q = arena_new(arena, state->points, sizeof *q);
+        if (!q)
+            return BCIFS_MEMORY;
+        for (size_t i = 0; i < state->points; i++)
+            q[i] = value_from_integer(1);
+        ones[x] = q;
+        restriction->dimensions[x] = state->points;
+    }
+    restriction->maps = arena_new(arena, map_count, sizeof *restriction->maps);
+    if (!restriction->maps)
+        return BCIFS_MEMORY;
+    for (size_t x = 0; x < count; x++) {
+        const struct state *state = &states->states[list[x]];
+        for (size_t k = 0; k < state->cell->child_count; k++) {
+            const struct value_matrix *matrix = state->cell->children[k].map;
+            size_t entries = matrix->rows * matrix->columns;
+            if (!place[state->children[k]])
+                continue;
+            struct restricted_map map = {x, place[state->children[k]] - 1, k, state->cell->child_count, NULL};
+            map.entries = arena_new(arena, entries, sizeof *map.entries);
+            if (!map.entries)
+                return BCIFS_MEMORY;
+            for (size_t i = 0; i < entries; i++) {
+                struct value value = matrix->values[i];
+                double error = value_pin(&value, DBL_EPSILON * fabs(value.real));
+                map.entries[i] = (struct bounded_value){value, error};
+                restriction->exact = restriction->exact && value.exact;
+            }
+            restriction->maps[restriction->map_count++] = map;
+        }
+    }
+    return restriction_reduce(restriction, ones, 0, arena);
+}
+
+bcifs_status restriction_family(const struct restriction *restriction, struct arena *arena,
+                                struct joint_family *family)
+{
+    struct joint_edge *edges = arena_new(arena, restriction->map_count, sizeof *edges);
+    if (!edges)
+        return BCIFS_MEMORY;
+    *family = (struct joint_family){restriction->dimensions, restriction->count, edges, restriction->map_count};
+    for (size_t e = 0; e < restriction->map_count; e++) {
+        const struct restricted_map *map = &restriction->maps[e];
+        size_t count = restriction->dimensions[map->from] * restriction->dimensions[map->to];
+        double *matrix = arena_new(arena, count, sizeof *matrix), *error = arena_new(arena, count, sizeof *error);
+        if (!matrix || !error)
+            return BCIFS_MEMORY;
+        for (size_t i = 0; i < count; i++) {
+            matrix[i] = map->entries[i].value.real;
+            error[i] = map->entries[i].error;
+        }
+        edges[e] = (struct joint_edge){map->from, map->to, matrix, error};
+    }
+    return BCIFS_OK;
+}

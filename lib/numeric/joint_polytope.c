@@ -1,0 +1,602 @@
+/* Invariant polytopes: N. Guglielmi and V. Protasov, Exact computation of joint spectral characteristics of linear
+ * operators (2013).
+ *
+ * At every node x stands the absolutely convex hull P_x of vertices v: all Σ c v with Σ |c| <= 1. When every matrix
+ * A : R^y → R^x of the block takes every vertex of P_y into κ P_x, the hulls are unit balls of norms in which no
+ * matrix is longer than κ, so the radius is at most κ. The vertices are the leading eigenvectors of the candidate's
+ * product and its cyclic shifts, and their images divided by the candidate's radius, as long as these lie outside.
+ * With a complex leading eigenvalue the coefficients c are complex (balanced complex polytopes, Guglielmi and
+ * Zennaro, 2007).
+ *
+ * Which vertices there are, and by which coefficients an image is written, is found without any care for rounding.
+ * The certificate is what is computed from them at the end: see certify. */
+#include "joint_block.h"
+
+#include <complex.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "numeric/eigen.h"
+#include "numeric/enclosure.h"
+#include "numeric/tolerance.h"
+
+enum { MOST_VERTICES = 4000, MOST_PIVOTS = 400, FRESH_PIVOTS = 40 };
+
+static const double ARTIFICIAL_COST = 1e5; /* of leaving the span of the vertices; true coefficients stay below */
+static const size_t ARTIFICIAL = SIZE_MAX;
+
+/* Coefficient re + i im of a vertex. */
+struct term {
+    size_t vertex;
+    double re, im;
+};
+
+/* P_x in real coordinates: `width` is dimension (real) or twice that (complex: real parts, then imaginary ones). */
+struct hull {
+    size_t dimension, width;
+    double *vertices; /* count × width */
+    size_t count, capacity;
+    /* The last basis of the linear program: `width` columns, phase times vertex, and the inverse of their matrix. */
+    struct term *basis;
+    double *columns; /* width × width, column j in row j */
+    double *inverse; /* width × width */
+    double *amounts, *prices, *direction;
+    int pivots; /* since `inverse` was computed afresh */
+};
+
+/* The image of a vertex under an edge, written in vertices of the hull it falls in. */
+struct image {
+    size_t edge, vertex;
+    struct term *terms;
+    size_t count;
+};
+
+struct polytope {
+    const struct block *block;
+    struct arena *arena;
+    double radius;
+    bool complex_case;
+    struct hull *hulls;
+    size_t *entering, *first_entering; /* edges by the node they lead to */
+    struct { size_t node, vertex; } *queue;
+    size_t queue_count, queue_capacity;
+    struct image *images;
+    size_t image_count, image_capacity;
+    double work, most_work;
+    bool strict;
+};
+
+/* ---- The gauge of a vector ----------------------------------------------------------------------------- */
+
+static void hull_reset(struct hull *hull)
+{
+    size_t n = hull->width;
+    memset(hull->columns, 0, n * n * sizeof(double));
+    memset(hull->inverse, 0, n * n * sizeof(double));
+    for (size_t i = 0; i < n; i++) {
+        hull->columns[i * n + i] = hull->inverse[i * n + i] = 1;
+        hull->basis[i] = (struct term){ARTIFICIAL, 1, 0};
+    }
+    hull->pivots = 0;
+}
+
+/* The column of a vertex times re + i im. */
+static void column_make(const struct hull *hull, const struct term *term, double *column)
+{
+    const double *v = hull->vertices + term->vertex * hull->width;
+    size_t n = hull->width, d = hull->dimension;
+    if (n == d) {
+        for (size_t i = 0; i < n; i++)
+            column[i] = term->re * v[i];
+        return;
+    }
+    for (size_t i = 0; i < d; i++) {
+        column[i] = term->re * v[i] - term->im * v[d + i];
+        column[d + i] = term->im * v[i] + term->re * v[d + i];
+    }
+}
+
+/* inverse <- columns^-1 by Gauss-Jordan elimination with pivoting. False when singular. */
+static bool hull_invert(struct hull *hull, double *workspace)
+{
+    size_t n = hull->width;
+    double *a = workspace, *b = hull->inverse;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            a[i * n + j] = hull->columns[j * n + i];
+            b[i * n + j] = i == j;
+        }
+    for (size_t k = 0; k < n; k++) {
+        size_t best = k;
+        for (size_t i = k + 1; i < n; i++)
+            if (fabs(a[i * n + k]) > fabs(a[best * n + k]))
+                best = i;
+        if (!(fabs(a[best * n + k]) > 1e-14))
+            return false;
+        for (size_t j = 0; j < n && best != k; j++) {
+            double keep = a[k * n + j];
+            a[k * n + j] = a[best * n + j];
+            a[best * n + j] = keep;
+            keep = b[k * n + j];
+            b[k * n + j] = b[best * n + j];
+            b[best * n + j] = keep;
+        }
+        double pivot = a[k * n + k];
+        for (size_t j = 0; j < n; j++) {
+            a[k * n + j] /= pivot;
+            b[k * n + j] /= pivot;
+        }
+        for (size_t i = 0; i < n; i++) {
+            double factor = i == k ? 0 : a[i * n + k];
+            for (size_t j = 0; j < n && factor != 0; j++) {
+                a[i * n + j] -= factor * a[k * n + j];
+                b[i * n + j] -= factor * b[k * n + j];
+            }
+        }
+    }
+    hull->pivots = 0;
+    return true;
+}
+
+/* amounts = inverse · w, all made positive by turning columns round: a hull is symmetric. */
+static void amounts_find(struct hull *hull, const double *w)
+{
+    size_t n = hull->width;
+    for (size_t j = 0; j < n; j++) {
+        double sum = 0, *row = &hull->inverse[j * n];
+        for (size_t i = 0; i < n; i++)
+            sum += row[i] * w[i];
+        hull->amounts[j] = fabs(sum);
+        if (sum >= 0)
+            continue;
+        for (size_t i = 0; i < n; i++) {
+            row[i] = -row[i];
+            hull->columns[j * n + i] = -hull->columns[j * n + i];
+        }
+        hull->basis[j].re = -hull->basis[j].re;
+        hull->basis[j].im = -hull->basis[j].im;
+    }
+}
+
+static double cost_of(const struct term *term)
+{
+    return term->vertex == ARTIFICIAL ? ARTIFICIAL_COST : 1;
+}
+
+/* The multiple of a vertex that the prices y value most, max |y·(c v)| over |c| = 1. */
+static double price_best(const struct hull *hull, struct term *best)
+{
+    size_t n = hull->width, d = hull->dimension;
+    const double *y = hull->prices;
+    double largest = -1;
+    for (size_t k = 0; k < hull->count; k++) {
+        const double *v = hull->vertices + k * n;
+        double a = 0, b = 0;
+        for (size_t i = 0; i < n; i++)
+            a += y[i] * v[i];
+        if (n > d)
+            for (size_t i = 0; i < d; i++)
+                b += y[d + i] * v[i] - y[i] * v[d + i];
+        double size = n > d ? hypot(a, b) : fabs(a);
+        if (size > largest) {
+            largest = size;
+            *best = (struct term){k, size > 0 ? a / size : 1, size > 0 ? b / size : 0};
+        }
+    }
+    return largest;
+}
+
+/* Brings a column into the basis in place of the one that is used up first. */
+static bool pivot(struct hull *hull, const struct term *term, double *column)
+{
+    size_t n = hull->width, leaving = n;
+    double least = INFINITY;
+    column_make(hull, term, column);
+    for (size_t j = 0; j < n; j++) {
+        double sum = 0;
+        for (size_t i = 0; i < n; i++)
+            sum += hull->inverse[j * n + i] * column[i];
+        hull->direction[j] = sum;
+        if (sum > 1e-9 && hull->amounts[j] / sum < least) {
+            least = hull->amounts[j] / sum;
+            leaving = j;
+        }
+    }
+    if (leaving == n)
+        return false;
+    double *row = &hull->inverse[leaving * n];
+    for (size_t i = 0; i < n; i++)
+        row[i] /= hull->direction[leaving];
+    for (size_t j = 0; j < n; j++) {
+        double factor = hull->direction[j];
+        if (j == leaving || factor == 0)
+            continue;
+        for (size_t i = 0; i < n; i++)
+            hull->inverse[j * n + i] -= factor * row[i];
+        hull->amounts[j] = fmax(0, hull->amounts[j] - factor * least);
+    }
+    hull->amounts[leaving] = least;
+    hull->basis[leaving] = *term;
+    memcpy(&hull->columns[leaving * n], column, n * sizeof *column);
+    hull->pivots++;
+    return true;
+}
+
+/* The least Σ |c| with Σ c v = w, by the simplex method with columns generated as they are priced. Stops early when
+ * it is surely above `outside`. Leaves the coefficients in the basis. */
+static double gauge(struct polytope *polytope, struct hull *hull, const double *w, double outside,
+                    double *workspace)
+{
+    size_t n = hull->width;
+    double *column = workspace + n * n, sum = INFINITY;
+    if (hull->count == 0)
+        return INFINITY;
+    if (hull->pivots > FRESH_PIVOTS && !hull_invert(hull, workspace))
+        hull_reset(hull);
+    amounts_find(hull, w);
+    for (int step = 0; step < MOST_PIVOTS; step++) {
+        struct term best = {0, 0, 0};
+        double value = 0;
+        sum = 0;
+        memset(hull->prices, 0, n * sizeof *hull->prices);
+        for (size_t j = 0; j < n; j++) {
+            double cost = cost_of(&hull->basis[j]);
+            sum += cost * hull->amounts[j];
+            for (size_t i = 0; i < n; i++)
+                hull->prices[i] += cost * hull->inverse[j * n + i];
+        }
+        for (size_t i = 0; i < n; i++)
+            value += hull->prices[i] * w[i];
+        double largest = price_best(hull, &best);
+        polytope->work += (double)(n * (2 * n + (n > hull->dimension ? 2 : 1) * hull->count));
+        if (largest <= 1 + 1e-11 || value / largest > outside)
+            break;
+        if (!pivot(hull, &best, column))
+            break;
+    }
+    return sum;
+}
+
+/* ---- Building ------------------------------------------------------------------------------------------ */
+
+static bcifs_status vertex_add(struct polytope *polytope, size_t node, const double *v, size_t *index)
+{
+    struct hull *hull = &polytope->hulls[node];
+    size_t n = hull->width;
+    if (hull->count == hull->capacity) {
+        size_t capacity = hull->capacity ? 2 * hull->capacity : 16;
+        double *larger = arena_grow(polytope->arena, hull->vertices, hull->count * n, capacity * n, sizeof *larger);
+        if (!larger)
+            return BCIFS_MEMORY;
+        hull->vertices = larger;
+        hull->capacity = capacity;
+    }
+    memcpy(hull->vertices + hull->count * n, v, n * sizeof *v);
+    *index = hull->count++;
+    if (!ARENA_RESERVE(polytope->arena, polytope->queue, polytope->queue_count, polytope->queue_capacity))
+        return BCIFS_MEMORY;
+    polytope->queue[polytope->queue_count].node = node;
+    polytope->queue[polytope->queue_count++].vertex = *index;
+    return BCIFS_OK;
+}
+
+static bcifs_status image_add(struct polytope *polytope, size_t edge, size_t vertex, struct term *terms, size_t count)
+{
+    if (!ARENA_RESERVE(polytope->arena, polytope->images, polytope->image_count, polytope->image_capacity))
+        return BCIFS_MEMORY;
+    polytope->images[polytope->image_count++] = (struct image){edge, vertex, terms, count};
+    return BCIFS_OK;
+}
+
+/* The image is one vertex times re + i im. */
+static bcifs_status image_single(struct polytope *polytope, size_t edge, size_t vertex, struct term term)
+{
+    struct term *terms = arena_grow(polytope->arena, &term, 1, 1, sizeof *terms);
+    return terms ? image_add(polytope, edge, vertex, terms, 1) : BCIFS_MEMORY;
+}
+
+/* The image as the last gauge wrote it. */
+static bcifs_status image_from_basis(struct polytope *polytope, size_t edge, size_t vertex)
+{
+    const struct hull *hull = &polytope->hulls[polytope->block->edges[edge].from];
+    struct term *terms = arena_new(polytope->arena, hull->width, sizeof *terms);
+    size_t count = 0;
+    if (!terms)
+        return BCIFS_MEMORY;
+    for (size_t j = 0; j < hull->width; j++)
+        if (hull->basis[j].vertex != ARTIFICIAL && hull->amounts[j] > 0)
+            terms[count++] = (struct term){hull->basis[j].vertex, hull->amounts[j] * hull->basis[j].re,
+                                           hull->amounts[j] * hull->basis[j].im};
+    return image_add(polytope, edge, vertex, terms, count);
+}
+
+/* result = A v / radius, v a vertex of the edge's end. */
+static void image_compute(const struct polytope *polytope, size_t edge, const double *v, double *result)
+{
+    const struct block_edge *e = &polytope->block->edges[edge];
+    size_t rows = polytope->block->dimensions[e->from], columns = polytope->block->dimensions[e->to];
+    for (size_t part = 0; part < (polytope->complex_case ? 2u : 1u); part++)
+        for (size_t i = 0; i < rows; i++) {
+            double sum = 0;
+            for (size_t j = 0; j < columns; j++)
+                sum += e->matrix[i * columns + j] * v[part * columns + j];
+            result[part * rows + i] = sum / polytope->radius;
+        }
+}
+
+/* The leading eigenvector of the product, re and im (size each) by inverse iteration, scaled to maximum 1. */
+static bcifs_status eigenvector_find(const double *product, size_t size, struct arena *arena, double complex *value,
+                                     double *vector)
+{
+    double *copy = arena_grow(arena, product, size * size, size * size + 2 * size, sizeof *copy);
+    double complex *m = arena_new(arena, size * size + size, sizeof *m);
+    if (!copy || !m)
+        return BCIFS_MEMORY;
+    double *re = copy + size * size, *im = re + size, norm = row_norm(product, size, size);
+    double complex *x = m + size * size, lambda = 0;
+    if (eigenvalues(copy, size, re, im))
+        lambda = re[0] + I * im[0];
+    *value = lambda;
+    for (size_t i = 0; i < size; i++)
+        x[i] = 1 + 0.3 * sin(3.0 * (double)i + 1);
+    for (int step = 0; step < 4; step++) {
+        for (size_t i = 0; i < size * size; i++)
+            m[i] = product[i];
+        for (size_t i = 0; i < size; i++)
+            m[i * size + i] -= lambda * (1 + 1e-14);
+        complex_solve(m, x, size, 1, norm * DBL_EPSILON);
+        size_t top = 0;
+        for (size_t i = 0; i < size; i++)
+            top = cabs(x[i]) > cabs(x[top]) ? i : top;
+        double complex scale = x[top];
+        for (size_t i = 0; i < size; i++)
+            x[i] /= scale;
+    }
+    for (size_t i = 0; i < size; i++) {
+        vector[i] = creal(x[i]);
+        vector[size + i] = cimag(x[i]);
+    }
+    return BCIFS_OK;
+}
+
+/* The eigenvectors along one closed path, as first vertices; the last image closes the cycle. */
+static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, size_t length)
+{
+    const struct block *block = polytope->block;
+    size_t node = block->edges[path[0]].from, start, vertex;
+    double error, *vector = arena_new(polytope->arena, 2 * block->largest, sizeof *vector);
+    double *image = arena_new(polytope->arena, 2 * block->largest, sizeof *image);
+    double *product = block_product(block, path, length, polytope->arena, &error);
+    double complex value;
+    if (!vector || !image || !product)
+        return BCIFS_MEMORY;
+    bcifs_status status = eigenvector_find(product, block->dimensions[node], polytope->arena, &value, vector);
+    if (status == BCIFS_OK)
+        status = vertex_add(polytope, node, vector, &start);
+    vertex = start;
+    for (size_t k = length; k-- > 1 && status == BCIFS_OK;) {
+        size_t before = vertex;
+        image_compute(polytope, path[k], polytope->hulls[node].vertices + vertex * polytope->hulls[node].width,
+                      image);
+        node = block->edges[path[k]].from;
+        status = vertex_add(polytope, node, image, &vertex);
+        if (status == BCIFS_OK)
+            status = image_single(polytope, path[k], before, (struct term){vertex, 1, 0});
+    }
+    double size = cabs(value);
+    if (status == BCIFS_OK)
+        status = image_single(polytope, path[0], vertex,
+                              (struct term){start, creal(value) / size, cimag(value) / size});
+    return status;
+}
+
+static bool is_accounted(const struct polytope *polytope, size_t known, size_t edge, size_t vertex)
+{
+    for (size_t i = 0; i < known; i++)
+        if (polytope->images[i].edge == edge && polytope->images[i].vertex == vertex)
+            return true;
+    return false;
+}
+
+/* Writes every image of every vertex in vertices, adding those images that lie outside while there is room. */
+static bcifs_status images_account(struct polytope *polytope, double slack, double *workspace)
+{
+    size_t known = polytope->image_count; /* of the cycles */
+    bcifs_status status = BCIFS_OK;
+    for (size_t i = 0; i < polytope->queue_count && status == BCIFS_OK; i++) {
+        size_t node = polytope->queue[i].node, vertex = polytope->queue[i].vertex;
+        for (size_t k = polytope->first_entering[node]; k < polytope->first_entering[node + 1]; k++) {
+            size_t edge = polytope->entering[k], from = polytope->block->edges[edge].from, fresh;
+            struct hull *source = &polytope->hulls[node], *target = &polytope->hulls[from];
+            bool room = polytope->work < polytope->most_work && target->count < MOST_VERTICES;
+            if (is_accounted(polytope, known, edge, vertex))
+                continue;
+            image_compute(polytope, edge, source->vertices + vertex * source->width, workspace);
+            double size = gauge(polytope, target, workspace, room ? 1 + slack : INFINITY,
+                                workspace + target->width);
+            if (size > 1 + slack && room) {
+                status = vertex_add(polytope, from, workspace, &fresh);
+                if (status == BCIFS_OK)
+                    status = image_single(polytope, edge, vertex, (struct term){fresh, 1, 0});
+            } else {
+                polytope->strict = polytope->strict && size <= 1 - TOLERANCE_INSIDE;
+                status = image_from_basis(polytope, edge, vertex);
+            }
+            if (status || polytope->work > 2 * polytope->most_work)
+                return status;
+        }
+    }
+    return status;
+}
+
+/* ---- The certificate ----------------------------------------------------------------------------------- */
+
+/* μ with gauge(r) <= μ max |r_i| for every r. The basis columns C are multiples |c| <= 1 + 4u of vertices up to
+ * rounding δ; with W ≈ C^-1 and |I - C W| <= η, r = C W r + (I - C W) r gives gauge(r) <= |W r|_1 + η μ max |r_i|. */
+static double gauge_constant(struct hull *hull, double *workspace)
+{
+    size_t n = hull->width;
+    double largest = 0;
+    for (size_t j = 0; j < n; j++)
+        if (hull->basis[j].vertex == ARTIFICIAL)
+            return INFINITY;
+    if (!hull_invert(hull, workspace))
+        return INFINITY;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            workspace[i * n + j] = hull->columns[j * n + i];
+            largest = fmax(largest, fabs(hull->columns[j * n + i]));
+        }
+    double norm = row_norm(hull->inverse, n, n), *product = workspace + n * n;
+    double error = multiply_enclosed(workspace, row_norm(workspace, n, n), 0, hull->inverse, norm, 0, n, n, n, product);
+    for (size_t i = 0; i < n; i++)
+        product[i * n + i] -= 1;
+    double reach = round_up((double)n * norm, 4);
+    double eta = row_norm(product, n, n) + error + reach * 16 * DBL_EPSILON * largest;
+    return eta < 0.5 ? round_up(reach / (1 - eta), 8) * (1 + 8 * DBL_EPSILON) : INFINITY;
+}
+
+/* A bound of the gauge of A v: radius Σ |c| for the vertices, μ max |r_i| for the rest r = A v - radius Σ c v. */
+static double image_bound(const struct polytope *polytope, const struct image *image, const double *mu, double *rest)
+{
+    const struct block_edge *e = &polytope->block->edges[image->edge];
+    const struct hull *target = &polytope->hulls[e->from], *source = &polytope->hulls[e->to];
+    size_t rows = target->dimension, columns = source->dimension, n = target->width;
+    const double *v = source->vertices + image->vertex * source->width;
+    double sum = 0, size = 0, largest = 0, size_v = 0;
+    for (size_t part = 0; part < n / rows; part++)
+        for (size_t i = 0; i < rows; i++) {
+            double entry = 0;
+            for (size_t j = 0; j < columns; j++)
+                entry += e->matrix[i * columns + j] * v[part * columns + j];
+            rest[part * rows + i] = entry;
+        }
+    for (size_t j = 0; j < source->width; j++)
+        size_v = fmax(size_v, fabs(v[j]));
+    for (size_t k = 0; k < image->count; k++) {
+        const struct term *term = &image->terms[k];
+        const double *u = target->vertices + term->vertex * n;
+        double re = term->re * polytope->radius, im = term->im * polytope->radius, size_u = 0;
+        for (size_t i = 0; i < rows; i++) {
+            if (n > rows) {
+                rest[i] -= re * u[i] - im * u[rows + i];
+                rest[rows + i] -= im * u[i] + re * u[rows + i];
+            } else {
+                rest[i] -= re * u[i];
+            }
+        }
+        for (size_t i = 0; i < n; i++)
+            size_u = fmax(size_u, fabs(u[i]));
+        sum += hypot(term->re, term->im);
+        size += (fabs(re) + fabs(im)) * size_u;
+    }
+    for (size_t i = 0; i < n; i++)
+        largest = fmax(largest, fabs(rest[i]));
+    /* Each entry is a sum of fewer than columns + 2 count + 2 products, in any order: γ times Σ |terms|. */
+    double operations = (double)(columns + 4 * image->count + 8);
+    double rounding = operations * DBL_EPSILON * (e->norm * size_v + size) + e->error * size_v;
+    return round_up(polytope->radius * round_up(sum, 4 * image->count) +
+                        mu[e->from] * round_up(largest + rounding, 4), 4);
+}
+
+/* κ: the largest gauge of an image. All images are accounted for, or there is no certificate. */
+static bcifs_status certify(struct polytope *polytope, double *workspace, double *upper)
+{
+    const struct block *block = polytope->block;
+    double *mu = arena_new(polytope->arena, block->node_count, sizeof *mu);
+    size_t wanted = 0;
+    *upper = 0;
+    if (!mu)
+        return BCIFS_MEMORY;
+    for (size_t x = 0; x < block->node_count; x++)
+        mu[x] = gauge_constant(&polytope->hulls[x], workspace);
+    for (size_t e = 0; e < block->edge_count; e++)
+        wanted += polytope->hulls[block->edges[e].to].count;
+    for (size_t i = 0; i < polytope->image_count; i++)
+        *upper = fmax(*upper, image_bound(polytope, &polytope->images[i], mu, workspace));
+    if (polytope->image_count < wanted || !isfinite(*upper))
+        *upper = INFINITY;
+    return BCIFS_OK;
+}
+
+/* ---- The whole ----------------------------------------------------------------------------------------- */
+
+static bcifs_status hull_create(struct hull *hull, size_t dimension, bool complex_case, struct arena *arena)
+{
+    size_t n = complex_case ? 2 * dimension : dimension;
+    double *numbers = arena_new(arena, 2 * n * n + 3 * n, sizeof *numbers);
+    *hull = (struct hull){.dimension = dimension, .width = n};
+    hull->basis = arena_new(arena, n, sizeof *hull->basis);
+    if (!numbers || !hull->basis)
+        return BCIFS_MEMORY;
+    hull->columns = numbers;
+    hull->inverse = numbers + n * n;
+    hull->amounts = hull->inverse + n * n;
+    hull->prices = hull->amounts + n;
+    hull->direction = hull->prices + n;
+    hull_reset(hull);
+    return BCIFS_OK;
+}
+
+static bcifs_status polytope_create(struct polytope *polytope)
+{
+    const struct block *block = polytope->block;
+    struct arena *arena = polytope->arena;
+    polytope->hulls = arena_new(arena, block->node_count, sizeof *polytope->hulls);
+    polytope->entering = arena_new(arena, block->edge_count, sizeof *polytope->entering);
+    polytope->first_entering = arena_new(arena, block->node_count + 1, sizeof *polytope->first_entering);
+    if (!polytope->hulls || !polytope->entering || !polytope->first_entering)
+        return BCIFS_MEMORY;
+    size_t count = 0;
+    for (size_t x = 0; x < block->node_count; x++) {
+        polytope->first_entering[x] = count;
+        for (size_t e = 0; e < block->edge_count; e++)
+            if (block->edges[e].to == x)
+                polytope->entering[count++] = e;
+        if (hull_create(&polytope->hulls[x], block->dimensions[x], polytope->complex_case, arena))
+            return BCIFS_MEMORY;
+    }
+    polytope->first_entering[block->node_count] = count;
+    return BCIFS_OK;
+}
+
+/* Whether the leading eigenvalue of the candidate's product is not real. */
+static bcifs_status eigenvalue_is_complex(const struct block *block, const struct candidate *candidate,
+                                          struct arena *arena, bool *is_complex)
+{
+    size_t size = block->dimensions[block->edges[candidate->edges[0][0]].from];
+    double error, *product = block_product(block, candidate->edges[0], candidate->lengths[0], arena, &error);
+    double *parts = arena_new(arena, 2 * size, sizeof *parts);
+    if (!product || !parts)
+        return BCIFS_MEMORY;
+    *is_complex = eigenvalues(product, size, parts, parts + size) &&
+                  fabs(parts[size]) > TOLERANCE_CLUSTER * 1e-8 * fabs(parts[0]);
+    return BCIFS_OK;
+}
+
+bcifs_status block_polytope(const struct block *block, const struct candidate *candidate, double work,
+                            struct arena *arena, struct polytope_outcome *outcome)
+{
+    struct polytope polytope = {.block = block, .arena = arena, .radius = candidate->radius, .most_work = work,
+                                .strict = true};
+    size_t width = 2 * block->largest;
+    double *workspace = arena_new(arena, 2 * width * width + 4 * width, sizeof *workspace);
+    *outcome = (struct polytope_outcome){.upper = INFINITY};
+    bcifs_status status = workspace ? BCIFS_OK : BCIFS_MEMORY;
+    if (status == BCIFS_OK)
+        status = eigenvalue_is_complex(block, candidate, arena, &polytope.complex_case);
+    if (status == BCIFS_OK)
+        status = polytope_create(&polytope);
+    for (size_t i = 0; i < candidate->count && status == BCIFS_OK; i++)
+        status = cycle_add(&polytope, candidate->edges[i], candidate->lengths[i]);
+    if (status == BCIFS_OK)
+        status = images_account(&polytope, TOLERANCE_JOINT, workspace);
+    if (status == BCIFS_OK)
+        status = certify(&polytope, workspace, &outcome->upper);
+    outcome->strict = polytope.strict && isfinite(outcome->upper);
+    for (size_t x = 0; x < block->node_count; x++)
+        outcome->vertices += polytope.hulls ? polytope.hulls[x].count : 0;
+    return status;
+}
