@@ -174,7 +174,7 @@ static bcifs_status matrix_resolve(const struct place_of_names *names, const str
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; matrix && i < matrix->rows * matrix->columns; i++) {
         if (matrix->entries[i]->kind == EXPRESSION_UNKNOWN) {
-            names->automaton->unknowns++;
+            matrix->entries[i]->index = (uint32_t)names->automaton->unknowns++;
             continue;
         }
         bcifs_status one = names_resolve(names, matrix->entries[i], NULL, 0);

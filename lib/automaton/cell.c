@@ -245,16 +245,44 @@ static bcifs_status matrix_make(struct elaboration *elaboration, source_place pl
     return *matrix ? BCIFS_OK : out_of_memory(elaboration->setting);
 }
 
-/* Evaluates the entries as written. An unknown `?` counts and is taken for 0. */
+/* Adds factor · unknown to what is unknown in an entry of the matrix. */
+static bcifs_status unknown_add(struct elaboration *elaboration, struct value_matrix *matrix, size_t entry,
+                                size_t unknown, int factor)
+{
+    if (!matrix->unknowns)
+        matrix->unknowns =
+            arena_new(elaboration->arena, matrix->rows * matrix->columns, sizeof *matrix->unknowns);
+    struct unknown_term *term = arena_new(elaboration->arena, 1, sizeof *term);
+    if (!term || !matrix->unknowns)
+        return out_of_memory(elaboration->setting);
+    *term = (struct unknown_term){unknown, factor, matrix->unknowns[entry]};
+    matrix->unknowns[entry] = term;
+    return BCIFS_OK;
+}
+
+/* Entry `to` of one matrix has the unknowns of entry `from` of another added, times `factor`. */
+static bcifs_status unknowns_add(struct elaboration *elaboration, struct value_matrix *matrix, size_t to,
+                                 const struct value_matrix *other, size_t from, int factor)
+{
+    bcifs_status status = BCIFS_OK;
+    if (other->unknowns)
+        for (const struct unknown_term *term = other->unknowns[from]; term && status == BCIFS_OK; term = term->next)
+            status = unknown_add(elaboration, matrix, to, term->unknown, factor * term->factor);
+    return status;
+}
+
+/* Evaluates the entries as written. An unknown `?` counts, is noted, and has the value 0. */
 static bcifs_status matrix_evaluate(struct elaboration *elaboration, const struct syntax_matrix *syntax,
                                     struct value_matrix **matrix)
 {
     bcifs_status status = matrix_make(elaboration, syntax->place, syntax->rows, syntax->columns, matrix);
     for (size_t i = 0; status == BCIFS_OK && i < syntax->rows * syntax->columns; i++) {
-        if (syntax->entries[i]->kind == EXPRESSION_UNKNOWN)
+        if (syntax->entries[i]->kind == EXPRESSION_UNKNOWN) {
             elaboration->cell->unknowns++;
-        else
+            status = unknown_add(elaboration, *matrix, i, syntax->entries[i]->index, 1);
+        } else {
             status = expression_evaluate(syntax->entries[i], &elaboration->environment, &(*matrix)->values[i]);
+        }
     }
     if (status == BCIFS_OK)
         value_matrix_finish(*matrix);
@@ -373,17 +401,25 @@ static bcifs_status affine_expand(struct elaboration *elaboration, const struct 
     struct value *values = (*matrix)->values;
     for (size_t j = 0; j < columns; j++) {
         struct value rest = value_from_integer(1);
-        for (size_t i = 0; i < dimension; i++) {
-            struct value entry = affine->values[i * columns + columns - 1];
+        for (size_t i = 0; i < dimension && status == BCIFS_OK; i++) {
+            size_t offset = i * columns + columns - 1, image = (i + 1) * columns + j;
+            struct value entry = affine->values[offset];
             if (j > 0)
                 entry = value_add(entry, affine->values[i * columns + j - 1]);
-            values[(i + 1) * columns + j] = entry;
+            values[image] = entry;
             rest = value_subtract(rest, entry);
+            if (!affine->unknowns)
+                continue;
+            status = unknowns_add(elaboration, *matrix, image, affine, offset, 1);
+            if (status == BCIFS_OK && j > 0)
+                status = unknowns_add(elaboration, *matrix, image, affine, i * columns + j - 1, 1);
+            if (status == BCIFS_OK)
+                status = unknowns_add(elaboration, *matrix, j, *matrix, image, -1);
         }
         values[j] = rest;
     }
     value_matrix_finish(*matrix);
-    return BCIFS_OK;
+    return status;
 }
 
 /* ---- Children ------------------------------------------------------------------------------------------ */
@@ -502,11 +538,14 @@ static bcifs_status refinement_evaluate(struct elaboration *elaboration, const s
     for (size_t j = 0; j < points; j++)
         for (size_t k = 0; k < columns; k++) {
             size_t index = k + n * (points - 1 - j);
-            if (index >= points - 1 && index - (points - 1) < mask->columns)
-                (*matrix)->values[j * columns + k] = mask->values[index - (points - 1)];
+            if (index < points - 1 || index - (points - 1) >= mask->columns)
+                continue;
+            (*matrix)->values[j * columns + k] = mask->values[index - (points - 1)];
+            status = status ? status
+                            : unknowns_add(elaboration, *matrix, j * columns + k, mask, index - (points - 1), 1);
         }
     value_matrix_finish(*matrix);
-    return BCIFS_OK;
+    return status;
 }
 
 /* Columns first … first + count - 1, of rows 0 … rows - 1. */
@@ -518,10 +557,13 @@ static bcifs_status matrix_part(struct elaboration *elaboration, const struct va
     if (status)
         return status;
     for (size_t i = 0; i < rows; i++)
-        for (size_t j = 0; j < count; j++)
-            (*part)->values[i * count + j] = whole->values[i * whole->columns + first + j];
+        for (size_t j = 0; j < count && status == BCIFS_OK; j++) {
+            size_t from = i * whole->columns + first + j;
+            (*part)->values[i * count + j] = whole->values[from];
+            status = unknowns_add(elaboration, *part, i * count + j, whole, from, 1);
+        }
     value_matrix_finish(*part);
-    return BCIFS_OK;
+    return status;
 }
 
 /* The children of an edge given by T_÷: T_i are its columns iΔ … iΔ + m_a - 1, [IM] corollary 4.1. */

@@ -15,11 +15,21 @@ enum {
     CELL_MOST_BOUNDARIES = 64
 };
 
+/* A sum Σ factor · `?`: what the open entries of the file contribute to an entry of a matrix. The terms of an entry
+ * as written are one, with the factor 1; affine maps add them up. */
+struct unknown_term {
+    size_t unknown; /* its number in the automaton, below automaton->unknowns */
+    int factor;
+    const struct unknown_term *next;
+};
+
 /* rows × columns values, row after row. */
 struct value_matrix {
     size_t rows, columns;
     struct value *values;
     bool exact; /* every entry is */
+    /* Per entry what is unknown in it, or NULL; as a whole NULL when nothing is. Products do not keep them. */
+    const struct unknown_term **unknowns;
 };
 
 /* A state that a child or boundary is in: a definition and the values of its arguments. */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_POINTS = 1 << 24, MOST_DIMENSION = 16, MOST_PIECES = 1 << 24 };
+enum { MOST_POINTS = 1 << 24, MOST_DIMENSION = 16, MOST_REACHED = 1 << 12 /* states expanded */ };
 
 /* A figure being bound. */
 struct binding {
@@ -165,6 +165,17 @@ static bcifs_status points_frame(struct binding *binding, size_t dimension)
     figure->points = points;
     figure->point_count = dimension + 1;
     figure->dimension = (unsigned)dimension;
+    return BCIFS_OK;
+}
+
+/* Any points at all: what is asked of the figure does not depend on where they are. */
+static bcifs_status points_unplaced(struct binding *binding, size_t count)
+{
+    binding->figure->points = arena_new(arena_of(binding), count, sizeof *binding->figure->points);
+    if (!binding->figure->points)
+        return report_memory(binding->report);
+    binding->figure->point_count = count;
+    binding->figure->dimension = 1;
     return BCIFS_OK;
 }
 
@@ -649,6 +660,8 @@ static bcifs_status bare_figure(struct binding *binding, const struct definition
     size_t points = figure->states.states[figure->pieces[0].state].points;
     if (options && options->points)
         status = points_given(binding, options);
+    else if (options && options->unplaced)
+        status = points_unplaced(binding, points);
     else if (definition->syntax && definition->syntax->affine)
         status = points_frame(binding, points - 1);
     else
@@ -722,6 +735,34 @@ bcifs_status figure_bind(bcifs_figure *figure, const bcifs_automaton *automaton,
 const bcifs_automaton *figure_automaton(const bcifs_figure *figure)
 {
     return figure->automaton;
+}
+
+bcifs_status states_of_figures(const bcifs_automaton *automaton, struct states *states, struct arena *arena)
+{
+    struct setting setting = {.automaton = automaton, .parameters = automaton->values};
+    bcifs_status status = states_create(states, arena, &setting);
+    for (size_t i = 0; i < automaton->definition_count && status == BCIFS_OK; i++) {
+        const struct definition *definition = automaton->definitions[i];
+        size_t index;
+        if (definition->argument_count == 0)
+            status = states_intern(states, (struct state_key){definition, NULL}, &index);
+    }
+    for (size_t i = 0; i < automaton->figure_count && status == BCIFS_OK; i++) {
+        bcifs_figure figure = {0};
+        struct report silent = report_new(NULL);
+        status = figure_bind(&figure, automaton, &automaton->figures[i], NULL, &silent);
+        for (size_t j = 0; j < figure.piece_count && status == BCIFS_OK; j++) {
+            struct state_key key = figure.states.states[figure.pieces[j].state].key;
+            size_t index, count = key.definition->argument_count;
+            key.arguments = arena_grow(arena, key.arguments, count, count, sizeof *key.arguments);
+            status = key.arguments ? states_intern(states, key, &index) : BCIFS_MEMORY;
+        }
+        arena_free(&figure.arena);
+    }
+    for (size_t i = 0; i < states->count && i < MOST_REACHED && status == BCIFS_OK; i++)
+        status = states_expand(states, i);
+    /* A state without numbers, or more states than the limit, is for evaluation to complain about. */
+    return status == BCIFS_INPUT ? BCIFS_OK : status;
 }
 
 /* ---- The handle ---------------------------------------------------------------------------------------- */

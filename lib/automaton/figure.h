@@ -44,5 +44,7 @@ const bcifs_automaton *figure_automaton(const bcifs_figure *figure);
 bcifs_status figure_bind(bcifs_figure *figure, const bcifs_automaton *automaton,
                          const struct figure_definition *definition, const bcifs_figure_options *options,
                          struct report *report);
+/* The states without arguments and those that the figures' pieces are in, with what they reach (up to a limit). */
+bcifs_status states_of_figures(const bcifs_automaton *automaton, struct states *states, struct arena *arena);
 
 #endif

@@ -7,7 +7,8 @@ struct value_matrix *value_matrix_new(struct arena *arena, size_t rows, size_t c
     struct value_matrix *matrix = arena_new(arena, 1, sizeof *matrix);
     if (!matrix)
         return NULL;
-    *matrix = (struct value_matrix){rows, columns, arena_new(arena, rows * columns, sizeof(struct value)), true};
+    *matrix = (struct value_matrix){.rows = rows, .columns = columns, .exact = true};
+    matrix->values = arena_new(arena, rows * columns, sizeof *matrix->values);
     if (!matrix->values)
         return NULL;
     for (size_t i = 0; i < rows * columns; i++)

@@ -10,8 +10,7 @@
 enum {
     MOST_EQUATIONS = 1 << 16,
     MOST_TRIES = 16,        /* samples tried when one hits a pole of the entries */
-    MOST_WITNESSES = 64,    /* places searched for one where a refuted equation visibly fails */
-    MOST_REACHED = 1 << 12  /* states reached from figures that are checked for their sizes */
+    MOST_WITNESSES = 64     /* places searched for one where a refuted equation visibly fails */
 };
 
 /* The proof of one state. Its equations are enumerated in the same order for every sample; `next` counts them. */
@@ -659,35 +658,6 @@ static bcifs_status reached_check(bcifs_check *check, struct states *states, con
     return status;
 }
 
-/* The states that the figures reach, and those without arguments. */
-static bcifs_status reached_collect(const bcifs_automaton *automaton, struct states *states, struct arena *arena)
-{
-    struct setting setting = {.automaton = automaton, .parameters = automaton->values};
-    bcifs_status status = states_create(states, arena, &setting);
-    for (size_t i = 0; i < automaton->definition_count && status == BCIFS_OK; i++) {
-        const struct definition *definition = automaton->definitions[i];
-        size_t index;
-        if (definition->argument_count == 0)
-            status = states_intern(states, (struct state_key){definition, NULL}, &index);
-    }
-    for (size_t i = 0; i < automaton->figure_count && status == BCIFS_OK; i++) {
-        bcifs_figure figure = {0};
-        struct report silent = report_new(NULL);
-        status = figure_bind(&figure, automaton, &automaton->figures[i], NULL, &silent);
-        for (size_t j = 0; j < figure.piece_count && status == BCIFS_OK; j++) {
-            struct state_key key = figure.states.states[figure.pieces[j].state].key;
-            size_t index, count = key.definition->argument_count;
-            key.arguments = arena_grow(arena, key.arguments, count, count, sizeof *key.arguments);
-            status = key.arguments ? states_intern(states, key, &index) : BCIFS_MEMORY;
-        }
-        arena_free(&figure.arena);
-    }
-    for (size_t i = 0; i < states->count && i < MOST_REACHED && status == BCIFS_OK; i++)
-        status = states_expand(states, i);
-    /* A state without numbers, or more states than the limit, is for evaluation to complain about. */
-    return status == BCIFS_INPUT ? BCIFS_OK : status;
-}
-
 static bcifs_status contraction_check(bcifs_check *check, struct states *states, struct report *report)
 {
     bcifs_status status = radius_bound(states, &check->arena, &check->radius);
@@ -713,7 +683,7 @@ static bcifs_status check_all(bcifs_check *check, struct report *report)
                               "the automaton has %zu unknown entr%s '?'; nothing can be checked before they are "
                               "filled in",
                               automaton->unknowns, automaton->unknowns == 1 ? "y" : "ies");
-    status = reached_collect(automaton, &states, &arena);
+    status = states_of_figures(automaton, &states, &arena);
     for (size_t i = 0; i < automaton->definition_count && status == BCIFS_OK; i++) {
         const struct definition *definition = automaton->definitions[i];
         if (definition_is_structural(definition))

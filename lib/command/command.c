@@ -1,7 +1,9 @@
 #include "command.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 int complain(const char *format, ...)
@@ -89,6 +91,83 @@ int text_output(const struct arguments *arguments, char *text)
     return status ? fail(status, &error) : EXIT_YES;
 }
 
+/* ---- Numbers, formats, the command line ---------------------------------------------------------------- */
+
+/* A number written as an expression: 1/3. `length` bytes of `text`. */
+int number_read(const char *option, const char *text, size_t length, double *number)
+{
+    char copy[256];
+    bcifs_error error;
+    if (length == 0 || length >= sizeof copy)
+        return complain("%s: expected a number, found '%.40s'", option, text);
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    if (bcifs_number_read(copy, number, &error) != BCIFS_OK)
+        return complain("%s: expected a number, found '%s': %s", option, copy, error.message);
+    return EXIT_YES;
+}
+
+int unsigned_read(const char *option, const char *text, unsigned *number)
+{
+    double value;
+    int status = number_read(option, text, strlen(text), &value);
+    if (status)
+        return status;
+    if (!(value >= 0 && value <= 1e6 && value == floor(value)))
+        return complain("%s: expected a whole number from 0 to 1000000, found '%s'", option, text);
+    *number = (unsigned)value;
+    return EXIT_YES;
+}
+
+/* The format asked for, by --format, --json or the ending of -o; csv without any. */
+const char *output_format(const struct arguments *arguments)
+{
+    const char *ending = arguments->output ? strrchr(arguments->output, '.') : NULL;
+    if (arguments->format)
+        return arguments->format;
+    return arguments->json ? "json" : ending ? ending + 1 : "csv";
+}
+
+bool output_is_picture(const struct arguments *arguments)
+{
+    const char *format = output_format(arguments);
+    for (size_t i = 0; bcifs_format_name(i); i++)
+        if (strcmp(bcifs_format_name(i), format) == 0)
+            return bcifs_format_is_picture(i);
+    return false;
+}
+
+/* The command line as one could type it again. */
+char *command_line(const struct arguments *arguments)
+{
+    size_t length = 1;
+    for (int i = 0; i < arguments->argument_count; i++)
+        length += 4 * strlen(arguments->words[i]) + 3;
+    char *line = malloc(length), *end = line;
+    if (!line)
+        return NULL;
+    for (int i = 0; i < arguments->argument_count; i++) {
+        const char *word = i == 0 ? "bcifs" : arguments->words[i];
+        bool plain = word[0] && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                             "-_./=:,+%@") == strlen(word);
+        if (i > 0)
+            *end++ = ' ';
+        if (!plain)
+            *end++ = '\'';
+        for (; *word; word++) {
+            if (*word == '\'') {
+                memcpy(end, "'\\'", 3);
+                end += 3;
+            }
+            *end++ = *word;
+        }
+        if (!plain)
+            *end++ = '\'';
+    }
+    *end = '\0';
+    return line;
+}
+
 /* ---- Options ------------------------------------------------------------------------------------------- */
 
 /* Where an option's argument (or flag) is kept. */
@@ -101,7 +180,7 @@ static const char **string_slot(struct arguments *arguments, const char *name)
         {"--figure", &arguments->figure}, {"--state", &arguments->state},   {"--points", &arguments->points},
         {"-o", &arguments->output},       {"--format", &arguments->format}, {"--depth", &arguments->depth},
         {"--show", &arguments->show},     {"--range", &arguments->range},   {"--levels", &arguments->levels},
-        {"--width", &arguments->width},
+        {"--as", &arguments->as}, {"--width", &arguments->width},     {"--effort", &arguments->effort}, {"--level", &arguments->level},
     };
     for (size_t i = 0; i < sizeof slots / sizeof *slots; i++)
         if (strcmp(slots[i].name, name) == 0)

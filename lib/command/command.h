@@ -25,7 +25,7 @@ struct arguments {
     const char *file;
     const char *settings[MOST_SETTINGS]; /* --set */
     size_t setting_count;
-    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width;
+    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width, *effort, *level, *as;
     const char *positions[MOST_POSITIONS]; /* --at and --address, in their order */
     bool is_address[MOST_POSITIONS];
     size_t position_count;
@@ -44,7 +44,7 @@ struct command {
     int (*run)(const struct arguments *arguments);
 };
 
-extern const struct command command_check, command_eval, command_fmt;
+extern const struct command command_analyze, command_check, command_complete, command_describe, command_eval, command_fmt;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);
@@ -64,6 +64,16 @@ int exit_of(bcifs_status status);
 int automaton_load(const struct arguments *arguments, bcifs_automaton **automaton);
 /* Options for library calls that report: `context` must be `arguments`. */
 bcifs_load_options load_options(const struct arguments *arguments);
+
+/* A number written as an expression, 1/3: `length` bytes of `text`, given for `option`. */
+int number_read(const char *option, const char *text, size_t length, double *number);
+/* A whole number from 0 to 1000000. */
+int unsigned_read(const char *option, const char *text, unsigned *number);
+/* The format asked for, by --format, --json or the ending of -o; "csv" without any. */
+const char *output_format(const struct arguments *arguments);
+bool output_is_picture(const struct arguments *arguments);
+/* The command line as one could type it again, to be freed; NULL: no memory. */
+char *command_line(const struct arguments *arguments);
 
 /* Writes text to the output (standard output without -o) and frees it; NULL text: no memory. */
 int text_output(const struct arguments *arguments, char *text);

@@ -24,38 +24,11 @@ struct evaluation {
     bcifs_layer layers[MOST_LAYERS];
     size_t layer_count;
     double seed[MOST_SEED];
-    const char *format;
     time_t began;
     bool progress_shown;
 };
 
 /* ---- Options ------------------------------------------------------------------------------------------- */
-
-/* A number written as an expression: 1/3. `length` bytes of `text`. */
-static int number_read(const char *option, const char *text, size_t length, double *number)
-{
-    char copy[256];
-    bcifs_error error;
-    if (length == 0 || length >= sizeof copy)
-        return complain("%s: expected a number, found '%.40s'", option, text);
-    memcpy(copy, text, length);
-    copy[length] = '\0';
-    if (bcifs_number_read(copy, number, &error) != BCIFS_OK)
-        return complain("%s: expected a number, found '%s': %s", option, copy, error.message);
-    return EXIT_YES;
-}
-
-static int unsigned_read(const char *option, const char *text, unsigned *number)
-{
-    double value;
-    int status = number_read(option, text, strlen(text), &value);
-    if (status)
-        return status;
-    if (!(value >= 0 && value <= 1e6 && value == floor(value)))
-        return complain("%s: expected a whole number from 0 to 1000000, found '%s'", option, text);
-    *number = (unsigned)value;
-    return EXIT_YES;
-}
 
 /* limit | control | seed:b0,b1,… */
 static int show_read(struct evaluation *evaluation, bcifs_view *view)
@@ -98,25 +71,6 @@ static int range_read(const char *range, bcifs_view *view)
     return status;
 }
 
-static int format_index(const char *format, size_t *index)
-{
-    for (*index = 0; bcifs_format_name(*index); ++*index)
-        if (strcmp(bcifs_format_name(*index), format) == 0)
-            return EXIT_YES;
-    return EXIT_INPUT;
-}
-
-/* Whether the output is a picture, and which format goes to standard output. */
-static bool output_is_picture(struct evaluation *evaluation)
-{
-    const struct arguments *arguments = evaluation->arguments;
-    const char *ending = arguments->output ? strrchr(arguments->output, '.') : NULL;
-    size_t index;
-    evaluation->format = arguments->json && !arguments->format ? "json" : arguments->format;
-    const char *name = evaluation->format ? evaluation->format : ending ? ending + 1 : "csv";
-    return format_index(name, &index) == EXIT_YES && bcifs_format_is_picture(index);
-}
-
 /* ---- Layers -------------------------------------------------------------------------------------------- */
 
 static int layer_add(struct evaluation *evaluation, const bcifs_view *view, bcifs_role role)
@@ -128,7 +82,7 @@ static int layer_add(struct evaluation *evaluation, const bcifs_view *view, bcif
     bcifs_status status = bcifs_plan_create(evaluation->figure, view, plan, &error);
     if (status)
         return fail(status, &error);
-    evaluation->layers[evaluation->layer_count++] = (bcifs_layer){*plan, role};
+    evaluation->layers[evaluation->layer_count++] = (bcifs_layer){.plan = *plan, .role = role};
     return EXIT_YES;
 }
 
@@ -156,7 +110,7 @@ static int levels_add(struct evaluation *evaluation, bcifs_view view)
 static int layers_make(struct evaluation *evaluation)
 {
     const struct arguments *arguments = evaluation->arguments;
-    bool picture = output_is_picture(evaluation);
+    bool picture = output_is_picture(arguments);
     bcifs_view view = {.from = 0, .to = 1};
     int status = show_read(evaluation, &view);
     if (status == EXIT_YES)
@@ -180,37 +134,6 @@ static int layers_make(struct evaluation *evaluation)
 
 /* ---- Output -------------------------------------------------------------------------------------------- */
 
-/* The command line as one could type it again. */
-static char *command_line(const struct arguments *arguments)
-{
-    size_t length = 1;
-    for (int i = 0; i < arguments->argument_count; i++)
-        length += 4 * strlen(arguments->words[i]) + 3;
-    char *line = malloc(length), *end = line;
-    if (!line)
-        return NULL;
-    for (int i = 0; i < arguments->argument_count; i++) {
-        const char *word = i == 0 ? "bcifs" : arguments->words[i];
-        bool plain = word[0] && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                             "-_./=:,+%@") == strlen(word);
-        if (i > 0)
-            *end++ = ' ';
-        if (!plain)
-            *end++ = '\'';
-        for (; *word; word++) {
-            if (*word == '\'') {
-                memcpy(end, "'\\'", 3);
-                end += 3;
-            }
-            *end++ = *word;
-        }
-        if (!plain)
-            *end++ = '\'';
-    }
-    *end = '\0';
-    return line;
-}
-
 /* After the first second, and then once a second. */
 static void progress(void *context, double done)
 {
@@ -233,7 +156,7 @@ static int layers_write(struct evaluation *evaluation)
     int status = arguments->width ? unsigned_read("--width", arguments->width, &width) : EXIT_YES;
     if (status == EXIT_YES) {
         bcifs_write_options options = {
-            .format = evaluation->format, .command = line, .width = width, .context = evaluation};
+            .format = arguments->json && !arguments->format ? "json" : arguments->format, .command = line, .width = width, .context = evaluation};
         if (!arguments->quiet && isatty(STDERR_FILENO))
             options.progress = progress;
         evaluation->began = time(NULL);

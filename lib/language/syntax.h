@@ -76,7 +76,7 @@ struct expression {
     struct expression **operands;
     size_t count;
     enum binding_kind binding;
-    uint32_t index;           /* of the parameter, argument, local or builtin */
+    uint32_t index;           /* of the parameter, argument, local, builtin or unknown */
     struct syntax_let *let;   /* BINDING_LET */
     double number;            /* NUMBER: rounded to the nearest double */
     uint64_t residue;         /* NUMBER: in the prime field (numeric/field.h) */

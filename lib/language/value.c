@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "numeric/field.h"
+#include "numeric/rational.h"
 #include "numeric/tolerance.h"
 
 struct value value_from_integer(int64_t integer)
@@ -59,4 +60,14 @@ bool value_equal(struct value a, struct value b)
     if (a.exact && b.exact)
         return a.residue == b.residue;
     return fabs(a.real - b.real) <= TOLERANCE_EQUATION * fmax(fabs(a.real), fabs(b.real));
+}
+
+void value_write(struct text *text, struct value value)
+{
+    struct rational fraction;
+    char digits[RATIONAL_LONGEST];
+    if (value.exact && value.fixed && rational_reconstruct(value.residue, value.real, &fraction))
+        text_append_bytes(text, digits, rational_print(digits, fraction));
+    else
+        text_append_number(text, value.real);
 }

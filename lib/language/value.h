@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/text.h"
+
 struct value {
     double real;
     uint64_t residue;
@@ -31,5 +33,8 @@ struct value value_negate(struct value a);
 struct value value_divide(struct value a, struct value b);
 /* Whether a value is zero: by its residue when it is exact. */
 bool value_is_zero(struct value a);
+/* Appends a value as the language reads it: "3/4" where it is a number known exactly, otherwise the shortest decimal
+ * that reads back as its real part. */
+void value_write(struct text *text, struct value value);
 
 #endif

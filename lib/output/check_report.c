@@ -1,6 +1,7 @@
 /* The report of bcifs_check, as JSON (design, section 5) and as text for a person. */
 #include "automaton/proof.h"
 #include "base/decimal.h"
+#include "output/json_text.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,66 +14,6 @@ static const char *const equation_names[] = {[BCIFS_BARYCENTRIC] = "barycentric"
                                              [BCIFS_ADJACENCY] = "adjacency"};
 
 /* ---- JSON ---------------------------------------------------------------------------------------------- */
-
-/* Names, equations and file names hold no control characters but perhaps a tab in a file's name. */
-static void json_string(struct text *text, const char *string)
-{
-    text_append(text, "\"");
-    for (const char *s = string; *s; s++) {
-        if (*s == '"' || *s == '\\')
-            text_append_character(text, '\\', 1);
-        if ((unsigned char)*s < 0x20)
-            text_format(text, "\\u%04x", (unsigned)(unsigned char)*s);
-        else
-            text_append_character(text, *s, 1);
-    }
-    text_append(text, "\"");
-}
-
-static void json_key(struct text *text, const char *key)
-{
-    json_string(text, key);
-    text_append(text, ": ");
-}
-
-/* A number, or null for an upper bound that is not known. */
-static void json_number(struct text *text, double number)
-{
-    if (isfinite(number))
-        text_append_number(text, number);
-    else
-        text_append(text, "null");
-}
-
-static void json_flag(struct text *text, const char *key, bool flag)
-{
-    json_key(text, key);
-    text_append(text, flag ? "true" : "false");
-}
-
-static void json_strings(struct text *text, const char *const *strings, size_t count)
-{
-    text_append(text, "[");
-    for (size_t i = 0; i < count; i++) {
-        text_append(text, i ? ", " : "");
-        json_string(text, strings[i]);
-    }
-    text_append(text, "]");
-}
-
-static void json_matrix(struct text *text, const double *matrix, int rows, int columns)
-{
-    text_append(text, "[");
-    for (int i = 0; i < rows; i++) {
-        text_append(text, i ? ", [" : "[");
-        for (int j = 0; j < columns; j++) {
-            text_append(text, j ? ", " : "");
-            json_number(text, matrix[i * columns + j]);
-        }
-        text_append(text, "]");
-    }
-    text_append(text, "]");
-}
 
 static void json_state(struct text *text, const struct state_summary *state)
 {
@@ -122,9 +63,9 @@ static void json_equation(struct text *text, const bcifs_equation *equation)
     }
     if (equation->left) {
         text_append(text, ", \"left\": ");
-        json_matrix(text, equation->left, equation->rows, equation->columns);
+        json_matrix(text, equation->left, (size_t)equation->rows, (size_t)equation->columns);
         text_append(text, ", \"right\": ");
-        json_matrix(text, equation->right, equation->rows, equation->columns);
+        json_matrix(text, equation->right, (size_t)equation->rows, (size_t)equation->columns);
         text_format(text, ", \"row\": %d, \"column\": %d, ", equation->row, equation->column);
         json_key(text, "at");
         json_string(text, equation->at);
