@@ -402,6 +402,53 @@ BCIFS_PUBLIC size_t bcifs_number_text(char *out, double number);
 /* Reads a number expression of the language without names ("0.5", "1/3", "sqrt(2)/2"). */
 BCIFS_PUBLIC bcifs_status bcifs_number_read(const char *text, double *number, bcifs_error *error);
 
+/* ---- Parameter maps ------------------------------------------------------------------------------------ */
+
+/* The class of an automaton at every node of a grid over one or two of its params. */
+typedef struct bcifs_map bcifs_map;
+
+/* A class includes those before it, undecided aside. */
+typedef enum bcifs_map_class {
+    BCIFS_UNDECIDED,          /* the bounds of the joint spectral radius have 1 between them; or there are no numbers
+                                 here (a division by zero), or more states or control points than the limits */
+    BCIFS_NOT_CONTRACTIVE,    /* a product of maps has a spectral radius of at least 1 on differences of points */
+    BCIFS_CONTRACTIVE,        /* certified: the joint spectral radius is below 1 */
+    BCIFS_TANGENT_CONTINUOUS, /* half-tangents agree at all junctions of all depths, for all control points */
+    BCIFS_C1                  /* certified: the blending functions have Hölder exponents above 1 */
+} bcifs_map_class;
+
+typedef struct bcifs_map_options {
+    const char *state; /* a state without arguments; NULL: all edge states of the main file that have none, together,
+                          or else the pieces of its first figure */
+    double effort;     /* scales the search at each grid point; 1 is usual, and 0 is taken for it */
+    unsigned threads;  /* at most 256; 0: as many as there are processors. The map does not depend on it. */
+    bcifs_progress *progress; /* called in the calling thread, or NULL */
+    void *context;
+} bcifs_map_options;
+
+/* `axes` are one or two texts "NAME=LOW..HIGH:COUNT": COUNT nodes, LOW and HIGH the first and the last, evenly spaced;
+ * COUNT is at least 2, and all nodes together are at most 2^22. LOW and HIGH are number expressions. Params that depend
+ * on those of the axes by default follow them. `options` may be NULL. BCIFS_NO when an equation does not hold
+ * identically in the params of the axes. The automaton must outlive the map. */
+BCIFS_PUBLIC bcifs_status bcifs_map_create(const bcifs_automaton *automaton, const char *const *axes,
+                                           size_t axis_count, const bcifs_map_options *options, bcifs_map **map,
+                                           bcifs_error *error);
+BCIFS_PUBLIC void bcifs_map_free(bcifs_map *map);
+BCIFS_PUBLIC size_t bcifs_map_axis_count(const bcifs_map *map);
+/* The param of an axis; NULL past the last. */
+BCIFS_PUBLIC const char *bcifs_map_parameter(const bcifs_map *map, size_t axis);
+/* The number of nodes of an axis (1 past the last), and the value at one of them. */
+BCIFS_PUBLIC size_t bcifs_map_count(const bcifs_map *map, size_t axis);
+BCIFS_PUBLIC double bcifs_map_value(const bcifs_map *map, size_t axis, size_t index);
+/* The class at node i of the first axis and j of the second (0 without one). */
+BCIFS_PUBLIC bcifs_map_class bcifs_map_at(const bcifs_map *map, size_t i, size_t j);
+/* "undecided", "not-contractive", "contractive", "tangent-continuous", "C1". */
+BCIFS_PUBLIC const char *bcifs_map_class_name(bcifs_map_class class_);
+/* Draws the map (svg, png) or lists it (csv: params and class, the second param changing fastest). Of `options` the
+ * format, the command and the width are used. */
+BCIFS_PUBLIC bcifs_status bcifs_map_write(const bcifs_map *map, const char *path, const bcifs_write_options *options,
+                                          bcifs_error *error);
+
 #ifdef __cplusplus
 }
 #endif

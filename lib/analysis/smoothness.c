@@ -9,7 +9,7 @@
 
 enum {
     MOST_STATES = 256,   /* that an arc's descendants may be in */
-    MOST_UNKNOWNS = 192, /* of the equations for q_k; beyond, only what is found so far is used */
+    MOST_UNKNOWNS = 192, /* of the equations for derivatives at joints */
     MOST_DEGREE = 64
 };
 
@@ -60,62 +60,6 @@ static bcifs_status descendants_collect(struct inquiry *inquiry, size_t index)
 
 /* ---- Polynomial reproduction --------------------------------------------------------------------------- */
 
-/* base^exponent. */
-static struct value power(int64_t base, int exponent)
-{
-    struct value result = value_from_integer(1);
-    for (int k = 0; k < exponent; k++)
-        result = value_multiply(result, value_from_integer(base));
-    return result;
-}
-
-/* Looks for q on the present spaces with q^x A = N^-k q^y for all maps A : x ← y. `found`: there is one, and it
- * vanishes on no space but those of dimension 0. */
-static bcifs_status functional_find(const struct inquiry *inquiry, int k, struct value **q, bool *found)
-{
-    const struct restriction *space = &inquiry->space;
-    struct arena *arena = inquiry->arena;
-    size_t *base = arena_new(arena, space->count + 1, sizeof *base), rows = 0;
-    *found = false;
-    if (!base)
-        return BCIFS_MEMORY;
-    for (size_t x = 0; x < space->count; x++)
-        base[x + 1] = base[x] + space->dimensions[x];
-    for (size_t e = 0; e < space->map_count; e++)
-        rows += space->dimensions[space->maps[e].to];
-    size_t unknowns = base[space->count], free = 0, row = 0;
-    if (unknowns == 0 || unknowns > MOST_UNKNOWNS)
-        return BCIFS_OK;
-    struct value *equations = arena_new(arena, rows * unknowns, sizeof *equations);
-    struct value *solution = arena_new(arena, unknowns, sizeof *solution);
-    if (!equations || !solution)
-        return BCIFS_MEMORY;
-    for (size_t i = 0; i < rows * unknowns; i++)
-        equations[i] = value_from_integer(0);
-    for (size_t e = 0; e < space->map_count; e++) {
-        const struct restricted_map *map = &space->maps[e];
-        size_t columns = space->dimensions[map->to];
-        struct value factor = value_divide(value_from_integer(1), power((int64_t)map->subdivisions, k));
-        for (size_t j = 0; j < columns; j++, row++) {
-            struct value *equation = &equations[row * unknowns];
-            for (size_t i = 0; i < space->dimensions[map->from]; i++)
-                equation[base[map->from] + i] = map->entries[i * columns + j].value;
-            struct value *own = &equation[base[map->to] + j];
-            *own = value_subtract(*own, factor);
-        }
-    }
-    bcifs_status status = equations_solve(equations, rows, unknowns, false, arena, solution, &free);
-    *found = status == BCIFS_OK && free > 0;
-    for (size_t x = 0; x < space->count && status == BCIFS_OK; x++) {
-        bool is_zero = true;
-        q[x] = solution + base[x];
-        for (size_t i = 0; i < space->dimensions[x]; i++)
-            is_zero = is_zero && (value_is_zero(q[x][i]) || fabs(q[x][i].real) < TOLERANCE_REPRODUCTION);
-        *found = *found && (!is_zero || space->dimensions[x] == 0);
-    }
-    return status;
-}
-
 /* Degree by degree, down to the last space that is not zero. A map with N = 1 has no powers to tell. */
 static bcifs_status reproduction_find(struct inquiry *inquiry)
 {
@@ -124,16 +68,19 @@ static bcifs_status reproduction_find(struct inquiry *inquiry)
     if (!q)
         return BCIFS_MEMORY;
     for (int k = 1; k <= MOST_DEGREE && inquiry->fewest > 1 && inquiry->complete; k++) {
-        bool found, nonzero = false;
-        bcifs_status status = functional_find(inquiry, k, q, &found);
-        if (status || !found)
+        size_t found, spaces = 0;
+        bool nonzero = false;
+        bcifs_status status = restriction_functional(&inquiry->space, k, arena, q, &found);
+        for (size_t x = 0; x < inquiry->count; x++)
+            spaces += inquiry->space.dimensions[x] > 0;
+        if (status || found == 0 || found < spaces)
             return status;
         inquiry->reproduces = k;
         for (size_t x = 0; x < inquiry->count; x++)
             nonzero = nonzero || inquiry->space.dimensions[x] > 1;
         if (!nonzero)
             return BCIFS_OK;
-        status = restriction_reduce(&inquiry->space, (const struct value *const *)q, 0, arena);
+        status = restriction_reduce(&inquiry->space, (const struct value *const *)q, arena);
         if (status)
             return status;
         inquiry->order = k;
@@ -195,7 +142,7 @@ static bcifs_status moment_find(const struct inquiry *inquiry, struct jets *jets
         return BCIFS_MEMORY;
     for (size_t x = 0; x < jets->count; x++) {
         const struct state *state = &inquiry->states->states[inquiry->list[x]];
-        struct value scale = power((int64_t)state->cell->child_count, l);
+        struct value scale = value_power((int64_t)state->cell->child_count, l);
         for (size_t i = 0; i < state->cell->child_count; i++) {
             const struct value_matrix *map = state->cell->children[i].map;
             size_t y = place_of(inquiry, state->children[i]);
@@ -206,7 +153,7 @@ static bcifs_status moment_find(const struct inquiry *inquiry, struct jets *jets
                 add_to(&equation[jets->base[y] + column], value_from_integer(-1));
                 for (int j = 0; j < l; j++)
                     add_to(&equation[jets->total],
-                           value_negate(value_multiply(value_multiply(binomial(l, j), power((int64_t)i, l - j)),
+                           value_negate(value_multiply(value_multiply(binomial(l, j), value_power((int64_t)i, l - j)),
                                                        jets->q[j][jets->base[y] + column])));
             }
         }
@@ -229,7 +176,7 @@ static bcifs_status derivative_find(const struct inquiry *inquiry, const struct 
         const struct state *state = &inquiry->states->states[inquiry->list[x]];
         size_t child = end ? state->cell->child_count - 1 : 0, y = place_of(inquiry, state->children[child]);
         const struct value_matrix *map = state->cell->children[child].map;
-        struct value scale = power((int64_t)state->cell->child_count, l);
+        struct value scale = value_power((int64_t)state->cell->child_count, l);
         for (size_t i = 0; i < map->rows; i++, row++) {
             for (size_t j = 0; j < map->columns; j++)
                 equations[row * unknowns + jets->base[y] + j] =

@@ -9,8 +9,7 @@ static bcifs_status out_of_memory(struct report *report)
 
 /* ---- Conflicts ----------------------------------------------------------------------------------------- */
 
-static bcifs_status conflict_add(bcifs_complete *complete, const struct entry_equation *equation,
-                                 struct report *report)
+static void conflict_add(bcifs_complete *complete, const struct entry_equation *equation)
 {
     bcifs_conflict *conflict = &complete->conflicts[complete->conflict_count++];
     unsigned column;
@@ -22,8 +21,6 @@ static bcifs_status conflict_add(bcifs_complete *complete, const struct entry_eq
                                  .reason = equation->reason,
                                  .file = equation->source->name};
     source_locate(equation->source, equation->place, &conflict->line, &column);
-    (void)report;
-    return BCIFS_OK;
 }
 
 static bcifs_status conflicts_reserve(bcifs_complete *complete, size_t count, struct report *report)
@@ -44,13 +41,13 @@ static bcifs_status conflict_in_words(bcifs_complete *complete, struct report *r
             bcifs_status status = conflicts_reserve(complete, 1, report);
             if (status)
                 return status;
-            conflict_add(complete, &equations->equations[i], report);
+            conflict_add(complete, &equations->equations[i]);
         }
     return BCIFS_OK;
 }
 
-static bcifs_status refuse_numbers(const bcifs_complete *complete, size_t index, enum elimination_outcome outcome,
-                                   struct report *report)
+static bcifs_status refuse_numbers(const bcifs_complete *complete, size_t index,
+                                   enum elimination_outcome outcome, struct report *report)
 {
     const struct entry_equation *equation = &complete->equations.equations[index];
     if (outcome == ELIMINATION_MEMORY)
@@ -77,9 +74,9 @@ static bcifs_status contradiction_write(bcifs_complete *complete, const struct l
     return complete->contradiction ? BCIFS_OK : out_of_memory(report);
 }
 
-/* The row that is left names the equations it came from, by the columns behind all givens. Those before the last one
- * are independent, so their combination is the only one: none of them can be left out. */
-static bcifs_status conflict_read(bcifs_complete *complete, const struct linear_row *row, size_t last,
+/* The row that is left names the equations it came from, by the columns behind all givens. Those before the
+ * last one are independent, so their combination is the only one: none of them can be left out. */
+static bcifs_status conflict_read(bcifs_complete *complete, const struct linear_row *row,
                                   struct report *report)
 {
     size_t first = complete->automaton->unknowns + complete->automaton->parameter_count + 1, givens = 0;
@@ -87,12 +84,12 @@ static bcifs_status conflict_read(bcifs_complete *complete, const struct linear_
         givens++;
     bcifs_status status = conflicts_reserve(complete, row->count - givens, report);
     for (size_t i = givens; i < row->count && status == BCIFS_OK; i++)
-        status = conflict_add(complete, &complete->equations.equations[row->terms[i].column - first], report);
-    (void)last;
+        conflict_add(complete, &complete->equations.equations[row->terms[i].column - first]);
     return status ? status : contradiction_write(complete, row, givens, report);
 }
 
-/* Solves equations 0 … last again, every one marked by a column of its own, to see which ones contradict it. */
+/* Solves equations 0 … last again, every one marked by a column of its own, to see which ones contradict it.
+ */
 static bcifs_status conflict_find(bcifs_complete *complete, size_t last, struct report *report)
 {
     size_t columns = complete->automaton->unknowns + complete->automaton->parameter_count + 1;
@@ -117,7 +114,7 @@ static bcifs_status conflict_find(bcifs_complete *complete, size_t last, struct 
             status = refuse_numbers(complete, i, outcome, report);
     }
     if (status == BCIFS_OK)
-        status = conflict_read(complete, &system.conflict, last, report);
+        status = conflict_read(complete, &system.conflict, report);
     linear_system_free(&system);
     return status;
 }
@@ -173,7 +170,8 @@ bcifs_status complete_check(bcifs_complete *complete, const bcifs_automaton *aut
     return status;
 }
 
-static bcifs_status complete_all(bcifs_complete *complete, const bcifs_load_options *options, struct report *report)
+static bcifs_status complete_all(bcifs_complete *complete, const bcifs_load_options *options,
+                                 struct report *report)
 {
     complete->consistent = true;
     complete->contradiction = "";

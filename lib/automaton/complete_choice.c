@@ -1,13 +1,13 @@
 /* Which unknowns stay free: the choice that makes the answer short.
  *
- * Every entry is printed once, so the length of the text is a sum over rows of the solved system. Starting from any
- * solved form, a free unknown and one that it determines change places as long as that shortens the text. Among equally
- * short texts those are preferred that keep sums such as 1-a, not bare names, on the diagonals of maps: names then stand
- * for the share that a point takes of its neighbors, as in [SI]. */
+ * Every entry is printed once, so the length of the text is a sum over rows of the solved system. Starting
+ * from any solved form, a free unknown and one that it determines change places as long as that shortens the
+ * text. Among equally short texts those are preferred that keep sums such as 1-a, not bare names, on the
+ * diagonals of maps: names then stand for the share that a point takes of its neighbors, as in [SI]. */
 #include "complete.h"
 
 enum {
-    CHARACTER = 1 << 12,         /* the cost of a byte, far above those of all bare diagonal entries of a row */
+    CHARACTER = 1 << 12, /* the cost of a byte, far above those of all bare diagonal entries of a row */
     MOST_TERMS_VISITED = 1 << 22 /* in trying exchanges; a larger system keeps what was reached */
 };
 
@@ -20,8 +20,7 @@ struct chooser {
 
 static bool is_diagonal(const bcifs_complete *complete, size_t unknown)
 {
-    const struct open_entry *entry = &complete->equations.unknowns[unknown];
-    return entry->row == entry->column;
+    return complete->equations.unknowns[unknown].diagonal;
 }
 
 /* A row that is one unknown: a bare name. */
@@ -46,8 +45,10 @@ static uint64_t free_cost(const struct chooser *chooser, size_t unknown)
     return CHARACTER + is_diagonal(chooser->complete, unknown);
 }
 
-/* The cost after the exchange minus the cost before. Outcomes behind ELIMINATION_CONFLICT mean that it cannot be had. */
-static enum elimination_outcome exchange_gain(struct chooser *chooser, size_t row, size_t column, int64_t *gain)
+/* The cost after the exchange minus the cost before. Outcomes behind ELIMINATION_CONFLICT mean that it cannot
+ * be had. */
+static enum elimination_outcome exchange_gain(struct chooser *chooser, size_t row, size_t column,
+                                              int64_t *gain)
 {
     struct linear_system *system = &chooser->complete->system;
     struct linear_row leading;
@@ -118,7 +119,13 @@ bcifs_status complete_choose(bcifs_complete *complete, struct report *report)
         for (size_t i = 0; i < complete->system.count && outcome == ELIMINATION_ADDED; i++)
             outcome = row_improve(&chooser, i, &improved);
     }
-    bool failed = chooser.scratch.failed || outcome != ELIMINATION_ADDED;
+    bool no_memory = chooser.scratch.failed || outcome == ELIMINATION_MEMORY;
     text_free(&chooser.scratch);
-    return failed ? report_memory(report) : BCIFS_OK;
+    if (no_memory)
+        return report_memory(report);
+    if (outcome != ELIMINATION_ADDED) /* an exchange was tried before it was made, so only its size is left */
+        return report_failure(report, BCIFS_INPUT, complete->automaton->modules[0]->source->name,
+                              "the equations become too large to solve: more than %d terms",
+                              ELIMINATION_MOST_TERMS);
+    return BCIFS_OK;
 }

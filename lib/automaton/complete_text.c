@@ -52,7 +52,8 @@ static void append_term(struct text *text, struct rational factor, const char *n
     }
 }
 
-/* What stands first reads best with a plus: a positive number, or the first positive term, or else the first. */
+/* What stands first reads best with a plus: a positive number, or the first positive term, or else the first.
+ */
 static size_t first_term(const struct linear_row *row, size_t constant, size_t leading, int sign)
 {
     size_t first = SIZE_MAX;
@@ -88,14 +89,16 @@ void complete_expression(const bcifs_complete *complete, const struct linear_row
         if (row->terms[i].column == leading || (k > 0 && i == first))
             continue;
         struct rational factor = row->terms[i].factor;
-        const char *name = row->terms[i].column == constant ? NULL : column_name(complete, row->terms[i].column);
+        const char *name =
+            row->terms[i].column == constant ? NULL : column_name(complete, row->terms[i].column);
         append_term(text, sign > 0 ? factor : rational_negate(factor), name, k == 0);
     }
 }
 
 /* ---- Names --------------------------------------------------------------------------------------------- */
 
-/* Whether the main file has the name for anything: a name with two meanings would be no help to the reader. */
+/* Whether the main file has the name for anything: a name with two meanings would be no help to the reader.
+ */
 static bool name_is_taken(const bcifs_complete *complete, const char *name)
 {
     const struct syntax_file *file = complete->automaton->modules[0]->syntax;
@@ -147,7 +150,8 @@ static bcifs_status names_give(bcifs_complete *complete, const size_t *order, st
         ptrdiff_t row = system->row_of[order[i]];
         if (row == ELIMINATION_FREE)
             status = name_give(complete, order[i], &count, &candidate, report);
-        for (size_t k = 0; row != ELIMINATION_FREE && k < system->rows[row].count && status == BCIFS_OK; k++) {
+        for (size_t k = 0; row != ELIMINATION_FREE && k < system->rows[row].count && status == BCIFS_OK;
+             k++) {
             size_t column = system->rows[row].terms[k].column;
             if (column < system->unknowns && column != order[i])
                 status = name_give(complete, column, &count, &candidate, report);
@@ -189,18 +193,21 @@ static bcifs_status edit_unknown(bcifs_complete *complete, struct edits *edits, 
     struct text text = {0};
     ptrdiff_t row = complete->system.row_of[unknown];
     size_t place = complete->equations.unknowns[unknown].expression->place;
-    complete_expression(complete, row == ELIMINATION_FREE ? NULL : &complete->system.rows[row], unknown, &text);
+    complete_expression(complete, row == ELIMINATION_FREE ? NULL : &complete->system.rows[row], unknown,
+                        &text);
     bcifs_status status = edit_add(complete, edits, place, place + 1, &text, report);
     text_free(&text);
     return status;
 }
 
-/* A param that the answer holds for one value of becomes a let: `param w = 1/2 in 0..1` is then `let w = 3/8`. */
-static bcifs_status edit_pinned(bcifs_complete *complete, struct edits *edits, const struct parameter *parameter,
-                                struct report *report)
+/* A param that the answer holds for one value of becomes a let: `param w = 1/2 in 0..1` is then `let w =
+ * 3/8`. */
+static bcifs_status edit_pinned(bcifs_complete *complete, struct edits *edits,
+                                const struct parameter *parameter, struct report *report)
 {
     const struct syntax_file *file = parameter->module->syntax;
-    const struct token *first = &file->tokens[parameter->syntax->first], *last = &file->tokens[parameter->syntax->last];
+    const struct token *first = &file->tokens[parameter->syntax->first],
+                       *last = &file->tokens[parameter->syntax->last];
     struct rational value;
     struct text text = {0};
     text_format(&text, "let %s = ", parameter->syntax->name);
@@ -260,8 +267,8 @@ static void append_params(const bcifs_complete *complete, const struct rational 
 }
 
 /* The source with the edits and, behind the header, the params. */
-static void source_edit(const bcifs_complete *complete, const struct edits *edits, const struct rational *values,
-                        struct text *text)
+static void source_edit(const bcifs_complete *complete, const struct edits *edits,
+                        const struct rational *values, struct text *text)
 {
     const struct syntax_file *file = complete->automaton->modules[0]->syntax;
     const struct source *source = file->source;
@@ -288,8 +295,8 @@ static bcifs_status answer_print(const bcifs_complete *complete, const struct ed
     source_edit(complete, edits, values, &edited);
     bcifs_status status = edited.failed ? report_memory(report) : BCIFS_OK;
     if (status == BCIFS_OK)
-        status = source_from_text(&arena, complete->automaton->modules[0]->source->name, edited.data, edited.length,
-                                  report, &source);
+        status = source_from_text(&arena, complete->automaton->modules[0]->source->name, edited.data,
+                                  edited.length, report, &source);
     if (status == BCIFS_OK)
         status = syntax_parse(&arena, source, report, &file);
     if (status == BCIFS_OK) {
@@ -304,7 +311,8 @@ static bcifs_status answer_print(const bcifs_complete *complete, const struct ed
 /* ---- Values -------------------------------------------------------------------------------------------- */
 
 /* What is tried, in this order: ratios that designers use. */
-static const struct rational simple[] = {{1, 4}, {1, 2}, {1, 8}, {3, 8}, {1, 3}, {1, 16}, {0, 1}, {3, 4}, {1, 1}, {-1, 8}};
+static const struct rational simple[] = {{1, 4},  {1, 2}, {1, 8}, {3, 8}, {1, 3},
+                                         {1, 16}, {0, 1}, {3, 4}, {1, 1}, {-1, 8}};
 enum { SIMPLE = sizeof simple / sizeof *simple, MOST_LOADS = 96 };
 static const double MOST_WORK = 4e6; /* cubes of control points in all tries */
 
@@ -325,7 +333,8 @@ static double cubes(const struct states *states)
     return sum;
 }
 
-/* An upper bound of the joint spectral radius of the answer with these values, infinite when there is none. */
+/* An upper bound of the joint spectral radius of the answer with these values, infinite when there is none.
+ */
 static bcifs_status radius_of(struct search *search, const struct rational *values, double *radius)
 {
     struct text answer = {0};
@@ -336,8 +345,8 @@ static bcifs_status radius_of(struct search *search, const struct rational *valu
     *radius = INFINITY;
     bcifs_status status = answer_print(search->complete, search->edits, values, &answer, search->report);
     if (status == BCIFS_OK)
-        status = bcifs_load_text(search->complete->automaton->modules[0]->source->name, answer.data, answer.length,
-                                 NULL, &automaton, NULL);
+        status = bcifs_load_text(search->complete->automaton->modules[0]->source->name, answer.data,
+                                 answer.length, NULL, &automaton, NULL);
     if (status == BCIFS_OK)
         status = states_of_figures(automaton, &states, &arena);
     if (status == BCIFS_OK)
@@ -422,7 +431,8 @@ static bcifs_status answer_check(bcifs_complete *complete, struct report *report
     bcifs_status status =
         bcifs_load_text(name, complete->text, strlen(complete->text), NULL, &automaton, &error);
     if (status)
-        return report_failure(report, status, name, "the completed automaton is not valid: %s", error.message);
+        return report_failure(report, status, name, "the completed automaton is not valid: %s",
+                              error.message);
     status = complete_check(complete, automaton, NULL, report);
     bcifs_automaton_free(automaton);
     return status;

@@ -68,8 +68,9 @@ static bcifs_status name_refuse(const bcifs_automaton *automaton, const char *na
     for (size_t i = 0; i < automaton->definition_count && count < MOST; i++)
         candidates[count++] = automaton->definitions[i]->name;
     const char *nearest = nearest_word(name, candidates, count);
-    return report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name, "there is no state '%s'%s%s%s",
-                          name, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name,
+                          "there is no state '%s'%s%s%s", name, nearest ? "; did you mean '" : "",
+                          nearest ? nearest : "", nearest ? "'?" : "");
 }
 
 static bcifs_status describe(bcifs_description *description, const char *name, struct report *report)
@@ -97,7 +98,8 @@ static bcifs_status describe(bcifs_description *description, const char *name, s
             status = state_describe(description, definition);
         else if (name)
             status = report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name,
-                                    "the state '%s' is a vertex; describe tells about edges, faces and cells", name);
+                                    "the state '%s' is a vertex; describe tells about edges, faces and cells",
+                                    name);
     }
     return status || found ? status : name_refuse(automaton, name, report);
 }

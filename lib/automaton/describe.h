@@ -1,7 +1,7 @@
 /* Describe: one representative of every state of an automaton, with its class and its levels of description.
  *
- * A definition with arguments stands for many states. The one that is told about is the first that a figure of the
- * file reaches; without any, all its arguments are 1. */
+ * A definition with arguments stands for many states. The one that is told about is the first that a figure
+ * of the file reaches; without any, all its arguments are 1. */
 #ifndef AUTOMATON_DESCRIBE_H
 #define AUTOMATON_DESCRIBE_H
 
@@ -15,7 +15,7 @@ struct described {
     /* Of an edge: */
     struct level_class class;
     const struct value_matrix *fused; /* T_÷, or NULL */
-    const double *refinement;         /* of the level asked for: points × columns; NULL: refinement_reason says why */
+    const double *refinement; /* of the level asked for: points × columns; NULL: refinement_reason says why */
     size_t columns;
     const char *refinement_reason;
     struct level_masks masks;
@@ -32,8 +32,8 @@ struct bcifs_description {
     size_t count;
 };
 
-/* The index of a state of this definition in a table that states_of_figures made: the first there, otherwise one with
- * all arguments 1. `known` is false when its sizes depend on arguments that no figure gives. */
+/* The index of a state of this definition in a table that states_of_figures made: the first there, otherwise
+ * one with all arguments 1. `known` is false when its sizes depend on arguments that no figure gives. */
 bcifs_status representative_find(struct states *states, const struct definition *definition, size_t *index,
                                  bool *known);
 

@@ -26,14 +26,14 @@ struct probed {
     struct entry_equation equation;
     struct probe_term *terms; /* of the constant probe; until it is taken, of the random one */
     size_t count;
-    struct value *known; /* per probe */
-    double scale;        /* of the numbers in `known[0]` */
-    bool varies;         /* a factor differs between probes */
+    struct value *known;     /* per probe */
+    double scale;            /* of the numbers in `known[0]` */
+    bool varies;             /* a factor differs between probes */
     struct product sides[2]; /* of the constant probe; no right side: that matrix is NULL */
 };
 
-/* Probes of a state: 0 has random residues for the free params, 1 fixed numbers, 2 + i the same with free param i one
- * greater; the last, for a state with arguments, is 1 with other arguments. */
+/* Probes of a state: 0 has random residues for the free params, 1 fixed numbers, 2 + i the same with free
+ * param i one greater; the last, for a state with arguments, is 1 with other arguments. */
 enum { PROBE_RANDOM, PROBE_CONSTANT, PROBE_STEP };
 
 /* The posing of one state's equations. */
@@ -59,21 +59,26 @@ static bcifs_status out_of_memory(const struct equations *equations)
 
 /* ---- The open entries ---------------------------------------------------------------------------------- */
 
-static bcifs_status matrix_unknowns(struct equations *equations, const struct module *module,
-                                    const struct syntax_cell *cell, const struct syntax_matrix *matrix,
-                                    const char *refusal)
+/* Whether an entry stands on the diagonal of a map: of T_i in a refinement matrix, whose columns are iΔ … of
+ * it. */
+static bool is_diagonal(const struct syntax_part *part, size_t row, size_t column)
 {
-    for (size_t i = 0; matrix && i < matrix->rows * matrix->columns; i++) {
-        const struct expression *entry = matrix->entries[i];
-        if (entry->kind != EXPRESSION_UNKNOWN)
-            continue;
-        if (!refusal && module != equations->automaton->modules[0])
-            refusal = "this file is used by another one: complete it on its own first";
-        if (refusal)
-            return report_error(equations->report, module->source, entry->place, "%s", refusal);
-        equations->unknowns[entry->index] =
-            (struct open_entry){entry, cell, module->source, i / matrix->columns, i % matrix->columns};
-    }
+    size_t rows = part->matrix->rows, columns = part->matrix->columns, n = (size_t)part->number;
+    if (part->kind == PART_SUB)
+        return row == column;
+    if (part->kind != PART_REFINE || n < 2 || columns <= rows)
+        return false;
+    size_t step = (columns - rows) / (n - 1); /* columns = (N - 1)Δ + m_a, [IM] 4.1 */
+    return step > 0 && column >= row && (column - row) % step == 0 && (column - row) / step < n;
+}
+
+/* Open entries where none may be: refused with a reason. */
+static bcifs_status matrix_refuse(const struct equations *equations, const struct module *module,
+                                  const struct syntax_matrix *matrix, const char *reason)
+{
+    for (size_t i = 0; matrix && i < matrix->rows * matrix->columns; i++)
+        if (matrix->entries[i]->kind == EXPRESSION_UNKNOWN)
+            return report_error(equations->report, module->source, matrix->entries[i]->place, "%s", reason);
     return BCIFS_OK;
 }
 
@@ -82,10 +87,17 @@ static bcifs_status cell_unknowns(struct equations *equations, const struct modu
 {
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < cell->part_count && status == BCIFS_OK; i++) {
-        status = matrix_unknowns(equations, module, cell, cell->parts[i]->matrix, NULL);
-        if (status == BCIFS_OK)
-            status = matrix_unknowns(equations, module, cell, cell->parts[i]->location.matrix,
-                                     "a boundary must be known: with '?' in it the equations are not linear");
+        const struct syntax_part *part = cell->parts[i];
+        const struct syntax_matrix *matrix = part->matrix;
+        status = matrix_refuse(equations, module, part->location.matrix,
+                               "a boundary must be known: with '?' in it the equations are not linear");
+        if (status == BCIFS_OK && module != equations->automaton->modules[0])
+            status = matrix_refuse(equations, module, matrix,
+                                   "this file is used by another one: complete it on its own first");
+        for (size_t j = 0; status == BCIFS_OK && matrix && j < matrix->rows * matrix->columns; j++)
+            if (matrix->entries[j]->kind == EXPRESSION_UNKNOWN)
+                equations->unknowns[matrix->entries[j]->index] = (struct open_entry){
+                    matrix->entries[j], cell, is_diagonal(part, j / matrix->columns, j % matrix->columns)};
     }
     return status;
 }
@@ -98,11 +110,11 @@ static bcifs_status item_unknowns(struct equations *equations, const struct modu
     if (item->kind == ITEM_CELL)
         return cell_unknowns(equations, module, item->cell);
     if (item->kind == ITEM_WAVELET) {
-        status = matrix_unknowns(equations, module, NULL, item->wavelet->smooth, elsewhere);
-        return status ? status : matrix_unknowns(equations, module, NULL, item->wavelet->detail, elsewhere);
+        status = matrix_refuse(equations, module, item->wavelet->smooth, elsewhere);
+        return status ? status : matrix_refuse(equations, module, item->wavelet->detail, elsewhere);
     }
     for (size_t i = 0; item->kind == ITEM_FIGURE && i < item->figure->part_count && status == BCIFS_OK; i++)
-        status = matrix_unknowns(equations, module, NULL, item->figure->parts[i]->matrix, elsewhere);
+        status = matrix_refuse(equations, module, item->figure->parts[i]->matrix, elsewhere);
     return status;
 }
 
@@ -119,7 +131,8 @@ static bcifs_status unknowns_list(struct equations *equations)
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < automaton->module_count; i++)
         for (size_t j = 0; j < automaton->modules[i]->syntax->count && status == BCIFS_OK; j++)
-            status = item_unknowns(equations, automaton->modules[i], &automaton->modules[i]->syntax->items[j]);
+            status =
+                item_unknowns(equations, automaton->modules[i], &automaton->modules[i]->syntax->items[j]);
     return status;
 }
 
@@ -187,7 +200,8 @@ struct label {
 static bcifs_status too_many(const struct poser *poser)
 {
     return report_failure(poser->equations->report, BCIFS_INPUT, poser->definition->module->source->name,
-                          "more than %d equations, or %d terms in them", EQUATIONS_MOST, EQUATIONS_MOST_TERMS);
+                          "more than %d equations, or %d terms in them", EQUATIONS_MOST,
+                          EQUATIONS_MOST_TERMS);
 }
 
 /* The equation of this number: made in the first probe. */
@@ -308,7 +322,7 @@ static bcifs_status pose_barycentric(struct poser *poser, const struct cell *cel
         const struct cell_boundary *boundary = &cell->boundaries[i];
         struct text text = {0};
         text_format(&text, "1·%s = 1", boundary->name);
-        status = pose_sums(poser, boundary->operator, &text, boundary->source, boundary->place);
+        status = pose_sums(poser, boundary->operator, & text, boundary->source, boundary->place);
     }
     return status;
 }
@@ -356,8 +370,10 @@ static bcifs_status pose_edge_incidence(struct poser *poser, const struct cell *
     bcifs_status status = cell_elaborate(&poser->setting, poser->arena, boundary->state, &vertex);
     if (status)
         return status;
-    text_format(&text, "T%zu·%s = %s·T(%s)", i, boundary->name, boundary->name, boundary->state.definition->name);
-    status = label_make(poser, BCIFS_INCIDENCE, &text, cell->children[i].source, cell->children[i].place, &label);
+    text_format(&text, "T%zu·%s = %s·T(%s)", i, boundary->name, boundary->name,
+                boundary->state.definition->name);
+    status =
+        label_make(poser, BCIFS_INCIDENCE, &text, cell->children[i].source, cell->children[i].place, &label);
     if (status)
         return status;
     if (!state_key_equal(inner->state, vertex->children[0].state))
@@ -383,8 +399,9 @@ static bcifs_status pose_edge_adjacency(struct poser *poser, const struct cell *
     if (!state_key_equal(end->state, start->state))
         return pose_states(poser, &label, "the end of the child", end->state, "the start of the next one",
                            start->state);
+    struct product left = {cell->children[i].map, end->operator, false};
     struct product right = {next->map, start->operator, false};
-    return pose(poser, &label, (struct product){cell->children[i].map, end->operator, false}, &right, cell->points);
+    return pose(poser, &label, left, &right, cell->points);
 }
 
 static bcifs_status pose_edge(struct poser *poser, const struct cell *cell)
@@ -407,7 +424,8 @@ struct side {
     struct product product;
 };
 
-static bcifs_status sides_list(struct poser *poser, const struct cell *cell, struct side **sides, size_t *count)
+static bcifs_status sides_list(struct poser *poser, const struct cell *cell, struct side **sides,
+                               size_t *count)
 {
     struct cell **children;
     bcifs_status status = children_elaborate(poser, cell, &children);
@@ -428,9 +446,10 @@ static bcifs_status sides_list(struct poser *poser, const struct cell *cell, str
     return BCIFS_OK;
 }
 
-/* Whether left = right can hold: no entry without unknowns fails. `open` tells whether some entry has unknowns. */
-static bool may_agree(struct poser *poser, const struct product *left, const struct product *right, size_t rows,
-                      bool *open)
+/* Whether left = right can hold: no entry without unknowns fails. `open` tells whether some entry has
+ * unknowns. */
+static bool may_agree(struct poser *poser, const struct product *left, const struct product *right,
+                      size_t rows, bool *open)
 {
     *open = false;
     for (size_t r = 0; r < rows; r++)
@@ -467,17 +486,17 @@ static bcifs_status side_choose(struct poser *poser, const struct product *part,
     }
     if (candidates <= 1)
         return BCIFS_OK;
-    return report_error(poser->equations->report, poser->definition->module->source,
-                        poser->definition->syntax->place,
-                        "'%s': %zu sides of its children could carry a part of the boundary '%s'; its open entries "
-                        "do not pose linear equations before more of them are known",
-                        poser->definition->name, candidates, name);
+    return report_error(
+        poser->equations->report, poser->definition->module->source, poser->definition->syntax->place,
+        "'%s': %zu sides of its children could carry a part of the boundary '%s'; its open entries "
+        "do not pose linear equations before more of them are known",
+        poser->definition->name, candidates, name);
 }
 
 /* Π_β T^y_j = T_i Π_γ for the i, γ that the first probe finds. */
 static bcifs_status pose_face_incidence(struct poser *poser, const struct cell *cell,
-                                        const struct cell_boundary *boundary, const struct cell *edge, size_t j,
-                                        const struct side *sides, size_t count)
+                                        const struct cell_boundary *boundary, const struct cell *edge,
+                                        size_t j, const struct side *sides, size_t count)
 {
     struct product part = {boundary->operator, edge->children[j].map, false};
     if (poser->probe == 0) {
@@ -518,11 +537,11 @@ static bcifs_status pose_join(struct poser *poser, const struct cell *cell, cons
             if (sides[i].child == join->child[s] && strcmp(sides[i].boundary->name, join->boundary[s]) == 0)
                 found[s] = &sides[i];
     struct text text = {0}, reason = {0};
-    text_format(&text, "T%zu·%s = T%zu·%s%s", join->child[0], join->boundary[0], join->child[1], join->boundary[1],
-                join->reversed ? " reversed" : "");
+    text_format(&text, "T%zu·%s = T%zu·%s%s", join->child[0], join->boundary[0], join->child[1],
+                join->boundary[1], join->reversed ? " reversed" : "");
     struct label label;
-    bcifs_status status = label_make(poser, BCIFS_ADJACENCY, &text, cell->definition->module->source, join->place,
-                                     &label);
+    bcifs_status status =
+        label_make(poser, BCIFS_ADJACENCY, &text, cell->definition->module->source, join->place, &label);
     if (status)
         return status;
     if (found[0] && found[1] && !state_key_equal(found[0]->boundary->state, found[1]->boundary->state))
@@ -567,9 +586,8 @@ static int64_t fixed_number(const struct poser *poser, size_t i)
 static bcifs_status probe_parameters(struct poser *poser, size_t probe, uint64_t attempt)
 {
     const bcifs_automaton *automaton = poser->equations->automaton;
-    struct value *values =
-        arena_grow(poser->arena, automaton->values, automaton->parameter_count, automaton->parameter_count + 1,
-                   sizeof *values);
+    struct value *values = arena_grow(poser->arena, automaton->values, automaton->parameter_count,
+                                      automaton->parameter_count + 1, sizeof *values);
     uint64_t state = UINT64_C(0x2545f4914f6cdd1d) * (attempt + 1);
     poser->attempt = attempt;
     if (!values)
@@ -586,7 +604,8 @@ static bcifs_status probe_parameters(struct poser *poser, size_t probe, uint64_t
 }
 
 /* Random ones, the same in all probes but the last. */
-static bcifs_status probe_arguments(struct poser *poser, size_t probe, uint64_t attempt, struct value **arguments)
+static bcifs_status probe_arguments(struct poser *poser, size_t probe, uint64_t attempt,
+                                    struct value **arguments)
 {
     size_t count = poser->definition->argument_count;
     bool other = count > 0 && probe + 1 == poser->probes;
@@ -611,8 +630,8 @@ static bcifs_status probe_run(struct poser *poser, size_t probe, uint64_t attemp
     if (status == BCIFS_OK)
         status = probe_arguments(poser, probe, attempt, &arguments);
     if (status == BCIFS_OK)
-        status = cell_elaborate(&poser->setting, poser->arena, (struct state_key){poser->definition, arguments},
-                                &cell);
+        status = cell_elaborate(&poser->setting, poser->arena,
+                                (struct state_key){poser->definition, arguments}, &cell);
     if (status == BCIFS_OK)
         status = pose_barycentric(poser, cell);
     if (status == BCIFS_OK && poser->definition->kind == CELL_EDGE)
@@ -627,7 +646,8 @@ static bcifs_status probes_run(struct poser *poser)
 {
     struct report *report = poser->equations->report;
     bcifs_status status = BCIFS_INPUT;
-    for (uint64_t attempt = 0; attempt < MOST_TRIES && status == BCIFS_INPUT && report->errors == 0; attempt++) {
+    for (uint64_t attempt = 0; attempt < MOST_TRIES && status == BCIFS_INPUT && report->errors == 0;
+         attempt++) {
         poser->count = poser->choice_count = 0;
         status = BCIFS_OK;
         for (size_t i = 0; i < poser->probes && status == BCIFS_OK; i++)
@@ -649,8 +669,8 @@ static bcifs_status refuse(const struct poser *poser, const struct probed *probe
                         equation->column, reason);
 }
 
-/* Whether the known part is c + Σ c_i·(param_i - its fixed number) in the field: the steps give the c_i, the random
- * probe the proof. */
+/* Whether the known part is c + Σ c_i·(param_i - its fixed number) in the field: the steps give the c_i, the
+ * random probe the proof. */
 static bool is_linear(const struct poser *poser, const struct probed *probed)
 {
     const struct value *known = probed->known;
@@ -711,9 +731,10 @@ static bcifs_status refuse_irrational(const struct poser *poser, const struct pr
     if (entry) {
         text_append(&text, "the known entry ");
         text_append_number(&text, entry->real);
-        text_append(&text, entry->exact ? " is a fraction too large for 64-bit arithmetic"
-                                        : " is known as a rounded number only (a root, a function, or a decimal of "
-                                          "15 digits or more), so that nothing can be solved exactly");
+        text_append(&text, entry->exact
+                               ? " is a fraction too large for 64-bit arithmetic"
+                               : " is known as a rounded number only (a root, a function, or a decimal of "
+                                 "15 digits or more), so that nothing can be solved exactly");
     } else {
         text_append(&text, "its known part is a fraction too large for 64-bit arithmetic");
     }
@@ -733,7 +754,8 @@ static bool row_append(struct linear_term *terms, size_t *count, size_t column, 
     return true;
 }
 
-static bool row_known(struct poser *poser, const struct probed *probed, struct linear_term *terms, size_t *count)
+static bool row_known(struct poser *poser, const struct probed *probed, struct linear_term *terms,
+                      size_t *count)
 {
     const bcifs_automaton *automaton = poser->equations->automaton;
     struct value rest = probed->known[PROBE_CONSTANT];
@@ -769,7 +791,8 @@ static void sort_terms(struct linear_term *terms, size_t count)
 static bcifs_status equation_finish(struct poser *poser, struct probed *probed)
 {
     struct equations *equations = poser->equations;
-    struct linear_term *terms = arena_new(equations->arena, probed->count + poser->free_count + 1, sizeof *terms);
+    struct linear_term *terms =
+        arena_new(equations->arena, probed->count + poser->free_count + 1, sizeof *terms);
     size_t count = 0;
     if (!terms)
         return out_of_memory(equations);
@@ -820,8 +843,9 @@ static bcifs_status equation_decide(struct poser *poser, struct probed *probed, 
         return BCIFS_OK;
     }
     if (arguments_matter(poser, probed))
-        return refuse(poser, probed, "its known part depends on the state's arguments, so that no constants "
-                                     "satisfy it for all of them; write these entries as expressions");
+        return refuse(poser, probed,
+                      "its known part depends on the state's arguments, so that no constants "
+                      "satisfy it for all of them; write these entries as expressions");
     if (linear && !probed->varies)
         return BCIFS_OK;
     if (poser->free_count == 0)
@@ -833,7 +857,8 @@ static bcifs_status equation_decide(struct poser *poser, struct probed *probed, 
 
 static bcifs_status state_finish(struct poser *poser, bool *again)
 {
-    bcifs_status status = probe_parameters(poser, PROBE_RANDOM, poser->attempt); /* is_linear() looks at them */
+    bcifs_status status =
+        probe_parameters(poser, PROBE_RANDOM, poser->attempt); /* is_linear() looks at them */
     for (size_t i = 0; i < poser->count && status == BCIFS_OK; i++)
         status = equation_decide(poser, &poser->list[i], again);
     for (size_t i = 0; i < poser->count && status == BCIFS_OK && !*again; i++) {
@@ -855,8 +880,8 @@ static bool has_unknowns(const struct equations *equations, const struct syntax_
     return false;
 }
 
-static bcifs_status state_pose(struct equations *equations, const struct definition *definition, const size_t *free,
-                               size_t free_count, bool *again)
+static bcifs_status state_pose(struct equations *equations, const struct definition *definition,
+                               const size_t *free, size_t free_count, bool *again)
 {
     struct arena arena = {0};
     struct poser poser = {.equations = equations,
@@ -871,9 +896,10 @@ static bcifs_status state_pose(struct equations *equations, const struct definit
     else if (!has_unknowns(equations, definition->syntax))
         return BCIFS_OK; /* the equations of the finished automaton are proved in any case */
     else
-        status = report_error(equations->report, definition->module->source, definition->syntax->place,
-                              "the size of '%s' depends on its arguments: its entries '?' are not the same for all",
-                              definition->name);
+        status = report_error(
+            equations->report, definition->module->source, definition->syntax->place,
+            "the size of '%s' depends on its arguments: its entries '?' are not the same for all",
+            definition->name);
     if (status == BCIFS_OK && !definition_is_structural(definition))
         status = state_finish(&poser, again);
     if (status == BCIFS_MEMORY && equations->report->errors == 0)

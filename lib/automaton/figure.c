@@ -16,6 +16,7 @@ struct binding {
     const struct syntax_figure_part *points, *size, *intervals[2];
     size_t interval_count;
     size_t piece_parts;
+    bool points_given; /* the control points are not the file's */
     /* Per direction: */
     struct state_key *keys[2]; /* of each piece's factor */
     size_t counts[2];          /* pieces */
@@ -208,7 +209,11 @@ static bcifs_status count_refuse(const struct binding *binding, int direction, c
     const struct syntax_figure_part *part = binding->directions[direction];
     size_t width = binding->widths[direction], step = binding->steps[direction];
     const char *name = part->reference->name;
-    source_place place = binding->points ? binding->points->place : part->place;
+    source_place place = binding->points && !binding->points_given ? binding->points->place : part->place;
+    if (part->kind == FIGURE_CLOSED && step == 1)
+        return report_error(binding->report, binding->source, place,
+                            "%s: a closed curve of '%s' needs at least 2 control points, found %zu", reason, name,
+                            binding->lengths[direction]);
     if (part->kind == FIGURE_CLOSED)
         return report_error(binding->report, binding->source, place,
                             "%s: a closed curve of '%s' needs a multiple of %zu control points, at least %zu, "
@@ -603,7 +608,8 @@ static size_t affine_dimension(const struct syntax_figure *syntax)
 
 static bcifs_status points_bind(struct binding *binding, const bcifs_figure_options *options)
 {
-    if (options && options->points)
+    binding->points_given = options && options->points;
+    if (binding->points_given)
         return points_given(binding, options);
     if (binding->points)
         return points_written(binding, binding->points->matrix);

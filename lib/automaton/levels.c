@@ -40,8 +40,8 @@ bool levels_is_stepped(const struct cell *cell)
 {
     const struct value one = value_from_integer(1), zero = value_from_integer(0);
     for (int side = 0; side < 2; side++) {
-        const struct value_matrix *operator = cell->boundaries[side].operator;
-        if (operator->columns > operator->rows)
+        const struct value_matrix *operator= cell->boundaries[side].operator;
+        if (operator->columns> operator->rows)
             return false;
         size_t shift = side ? operator->rows - operator->columns : 0;
         for (size_t i = 0; i < operator->rows; i++)
@@ -67,11 +67,12 @@ static bcifs_status children_examine(struct states *states, size_t index, struct
             return status;
         const char *name = states->states[child].key.definition->name;
         if (!levels_is_stepped(states->states[child].cell))
-            text_format(&text, "the start of '%s' is not at its first control points or its end not at its last",
+            text_format(&text,
+                        "the start of '%s' is not at its first control points or its end not at its last",
                         name);
         else if (other.joint[0] != other.joint[1])
-            text_format(&text, "'%s' starts with a joint of %zu control points and ends with one of %zu", name,
-                        other.joint[0], other.joint[1]);
+            text_format(&text, "'%s' starts with a joint of %zu control points and ends with one of %zu",
+                        name, other.joint[0], other.joint[1]);
         else if (i > 0 && (other.step != class->step || other.joint[0] != class->joint[0]))
             text_format(&text,
                         "the steps of the children differ: child 0 has (Δ, m_s) = (%zu, %zu), child %zu has "
@@ -143,8 +144,8 @@ struct weave {
     size_t period, step; /* NΔ, Δ */
 };
 
-/* The entries (row + Δu, column + NΔu), u = 0, 1, …, must be one number; beyond the matrix it is 0, as the columns
- * that are cut off there sum to 1 like the others. */
+/* The entries (row + Δu, column + NΔu), u = 0, 1, …, must be one number; beyond the matrix it is 0, as the
+ * columns that are cut off there sum to 1 like the others. */
 static bool weave_value(const struct weave *weave, size_t column, ptrdiff_t offset, struct value *value)
 {
     const struct value_matrix *matrix = weave->matrix;
@@ -171,8 +172,8 @@ static bcifs_status mask_take(struct states *states, const struct weave *weave, 
                               struct level_mask *mask, bool *repeats)
 {
     const struct value_matrix *matrix = weave->matrix;
-    size_t below = (matrix->columns / weave->period + 1) * weave->step, height = below + matrix->rows, first = height,
-           last = 0;
+    size_t below = (matrix->columns / weave->period + 1) * weave->step, height = below + matrix->rows,
+           first = height, last = 0;
     struct value *values = arena_new(states->arena, height, sizeof *values);
     if (!values)
         return out_of_memory(states);
@@ -189,9 +190,10 @@ static bcifs_status mask_take(struct states *states, const struct weave *weave, 
     return BCIFS_OK;
 }
 
-/* c[q + N(m-1-r) - (m-1)] is the entry of mask q in row r, design section 4; its length is the full (N-1)m + 1
- * without the zeros that m_a = ceil((length-1)/(N-1)) does not need. */
-static bcifs_status row_make(struct states *states, const struct level_class *class, struct level_masks *masks)
+/* c[q + N(m-1-r) - (m-1)] is the entry of mask q in row r, design section 4; its length is the full (N-1)m +
+ * 1 without the zeros that m_a = ceil((length-1)/(N-1)) does not need. */
+static bcifs_status row_make(struct states *states, const struct level_class *class,
+                             struct level_masks *masks)
 {
     size_t n = class->subdivisions, m = class->points, length = (n - 1) * m + 1;
     struct value *row = arena_new(states->arena, length, sizeof *row);
@@ -229,9 +231,10 @@ static bcifs_status masks_collect(struct states *states, const struct weave *wea
             return status;
         if (!repeats) {
             struct text text = {0};
-            text_format(&text,
-                        "column %zu of its refinement matrix is not repeated %zu row%s lower every %zu columns", q,
-                        weave->step, weave->step == 1 ? "" : "s", weave->period);
+            text_format(
+                &text,
+                "column %zu of its refinement matrix is not repeated %zu row%s lower every %zu columns", q,
+                weave->step, weave->step == 1 ? "" : "s", weave->period);
             return reason_keep(states, &text, &masks->reason);
         }
     }
@@ -282,7 +285,8 @@ struct gathering {
     size_t count, capacity, tail, queue_capacity;
 };
 
-static bcifs_status gathering_note(struct gathering *gathering, struct states *states, size_t state, size_t level)
+static bcifs_status gathering_note(struct gathering *gathering, struct states *states, size_t state,
+                                   size_t level)
 {
     while (gathering->count <= state) {
         if (!ARENA_RESERVE(states->arena, gathering->least, gathering->count, gathering->capacity))
@@ -354,8 +358,8 @@ static bcifs_status tier_first(struct states *states, const struct gathering *ga
 }
 
 /* R_n = [T_0 R_n-1(y_0) | T_1 R_n-1(y_1) | …], consecutive blocks sharing their m_s columns. */
-static bcifs_status state_refine(struct states *states, size_t index, const struct tier *below, struct tier *tier,
-                                 size_t *total)
+static bcifs_status state_refine(struct states *states, size_t index, const struct tier *below,
+                                 struct tier *tier, size_t *total)
 {
     const struct state *state = &states->states[index];
     size_t joint = below->joints[state->children[0]], columns = joint;
@@ -369,7 +373,8 @@ static bcifs_status state_refine(struct states *states, size_t index, const stru
         return out_of_memory(states);
     size_t first = 0;
     for (size_t i = 0; i < state->cell->child_count; i++) {
-        size_t child = state->children[i], width = below->columns[child], inner = states->states[child].points;
+        size_t child = state->children[i], width = below->columns[child],
+               inner = states->states[child].points;
         double *product = arena_new(states->arena, state->points * width, sizeof *product);
         if (!product)
             return out_of_memory(states);

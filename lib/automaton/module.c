@@ -226,7 +226,7 @@ static bcifs_status unknown_parameter(const bcifs_automaton *automaton, const ch
                                       struct report *report)
 {
     char name[SYNTAX_LONGEST_NAME + 1] = "";
-    const char *candidates[64];
+    const char *candidates[64] = {NULL};
     size_t count = 0;
     if (length < sizeof name)
         memcpy(name, setting, length);
@@ -252,8 +252,14 @@ static bcifs_status setting_read(bcifs_automaton *automaton, const char *setting
         return unknown_parameter(automaton, setting, (size_t)(equals - setting), report);
     struct source *source;
     struct expression *expression;
-    bcifs_status status = source_from_text(&automaton->arena, (*parameter)->name, equals + 1, strlen(equals + 1),
-                                           report, &source);
+    struct text name = {0};
+    text_format(&name, "--set %s", (*parameter)->name);
+    const char *kept = name.failed ? NULL : arena_text(&automaton->arena, name.data, name.length);
+    text_free(&name);
+    if (!kept)
+        return report_memory(report);
+    bcifs_status status =
+        source_from_text(&automaton->arena, kept, equals + 1, strlen(equals + 1), report, &source);
     if (status == BCIFS_OK)
         status = syntax_parse_expression(&automaton->arena, source, report, &expression);
     const struct scope none = {0};

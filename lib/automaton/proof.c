@@ -19,6 +19,7 @@ struct prover {
     struct report *report;
     const struct definition *definition;
     const struct value *fixed; /* arguments that sizes depend on, or NULL */
+    const char *name;          /* of the state; with those arguments, "corner(3)" */
     size_t first;              /* of this state's equations */
     size_t next;
     bool opening; /* the first round: equations are added */
@@ -82,7 +83,7 @@ static bcifs_status equation_open(struct prover *prover, bcifs_equation_kind kin
             return report_failure(prover->report, BCIFS_INPUT, check->automaton->modules[0]->source->name,
                                   "more than %d equations", MOST_EQUATIONS);
         unsigned column;
-        bcifs_equation fresh = {.state = prover->definition->name, .kind = kind, .exact = 1, .holds = 1, .at = ""};
+        bcifs_equation fresh = {.state = prover->name, .kind = kind, .exact = 1, .holds = 1, .at = ""};
         fresh.text = text->failed ? NULL : arena_text(&check->arena, text->data, text->length);
         fresh.file = source->name;
         source_locate(source, place, &fresh.line, &column);
@@ -378,6 +379,23 @@ static bcifs_status check_join(struct prover *prover, const struct cell *cell, c
                            join->reversed ? reversed(prover->arena, b->operator) : b->operator);
 }
 
+/* Whether the file asserts this very gluing, so that it is an equation already. */
+static bool is_joined(const struct cell *cell, const struct side *a, const struct side *b)
+{
+    const struct side *sides[2] = {a, b};
+    for (size_t i = 0; i < cell->join_count; i++)
+        for (int turned = 0; turned < 2; turned++) {
+            const struct cell_join *join = &cell->joins[i];
+            bool same = !join->reversed;
+            for (int k = 0; k < 2; k++)
+                same = same && join->child[k] == sides[k ^ turned]->child &&
+                       strcmp(join->boundary[k], sides[k ^ turned]->boundary->name) == 0;
+            if (same)
+                return true;
+        }
+    return false;
+}
+
 /* Sides of two children that are found to coincide: the engine glues them without being told. */
 static bcifs_status check_gluing(struct prover *prover, const struct cell *cell, const struct side *sides,
                                  size_t count)
@@ -387,7 +405,7 @@ static bcifs_status check_gluing(struct prover *prover, const struct cell *cell,
         for (size_t j = i + 1; j < count && status == BCIFS_OK; j++) {
             if (sides[i].child == sides[j].child ||
                 !state_key_equal(sides[i].boundary->state, sides[j].boundary->state) ||
-                !sides_agree(sides[i].operator, sides[j].operator))
+                is_joined(cell, &sides[i], &sides[j]) || !sides_agree(sides[i].operator, sides[j].operator))
                 continue;
             struct text text = {0};
             text_format(&text, "T%zu·%s = T%zu·%s", sides[i].child, sides[i].boundary->name, sides[j].child,
@@ -555,12 +573,35 @@ static bcifs_status round_explain(struct prover *prover)
 
 static bcifs_status state_summarize(struct prover *prover);
 
+/* The state's name; the arguments that its size depends on have values, the others stay names: "corner(3,u)". */
+static const char *checked_name(bcifs_check *check, const struct definition *definition, const struct value *fixed)
+{
+    struct text text = {0};
+    text_append(&text, definition->name);
+    for (size_t i = 0; fixed && i < definition->argument_count; i++) {
+        bool named = definition->syntax && definition->syntax->argument_count == definition->argument_count;
+        text_append(&text, i ? "," : "(");
+        if (definition->structural[i])
+            text_append_number(&text, fixed[i].real);
+        else
+            text_append(&text, named ? definition->syntax->arguments[i] : "·");
+    }
+    text_append(&text, fixed ? ")" : "");
+    const char *name = text.failed ? NULL : arena_text(&check->arena, text.data, text.length);
+    text_free(&text);
+    return name;
+}
+
 static bcifs_status state_check(bcifs_check *check, const struct definition *definition,
                                 const struct value *fixed, struct report *report)
 {
-    struct prover prover = {
-        .check = check, .report = report, .definition = definition, .fixed = fixed, .first = check->count};
-    bcifs_status status = BCIFS_OK;
+    struct prover prover = {.check = check,
+                            .report = report,
+                            .definition = definition,
+                            .fixed = fixed,
+                            .name = checked_name(check, definition, fixed),
+                            .first = check->count};
+    bcifs_status status = prover.name ? BCIFS_OK : report_memory(report);
     for (unsigned round = 0; round < PROOF_ROUNDS && status == BCIFS_OK; round++) {
         prover.opening = round == 0;
         status = round_run(&prover, round);
@@ -580,7 +621,7 @@ static bcifs_status summary_fill(struct prover *prover, const struct cell *cell)
 {
     bcifs_check *check = prover->check;
     struct arena *arena = &check->arena;
-    struct state_summary summary = {.name = cell->definition->name,
+    struct state_summary summary = {.name = prover->name,
                                     .kind = cell->definition->kind,
                                     .points = cell->points,
                                     .child_count = cell->child_count,
@@ -609,7 +650,7 @@ static bcifs_status state_summarize(struct prover *prover)
 {
     const bcifs_check *check = prover->check;
     if (check->state_count > 0 &&
-        strcmp(check->states[check->state_count - 1].name, prover->definition->name) == 0)
+        strcmp(check->states[check->state_count - 1].name, prover->name) == 0)
         return BCIFS_OK;
     struct arena arena = {0};
     struct sample sample;

@@ -39,6 +39,14 @@ double value_pin(struct value *value, double error)
     return 2 * DBL_EPSILON * fabs(value->real);
 }
 
+struct value value_power(int64_t base, int exponent)
+{
+    struct value result = value_from_integer(1);
+    for (int k = 0; k < exponent; k++)
+        result = value_multiply(result, value_from_integer(base));
+    return result;
+}
+
 /* a + factor·b. */
 static struct bounded_value add_multiple(struct bounded_value a, struct value factor, struct bounded_value b)
 {
@@ -190,28 +198,42 @@ static size_t kernel_dimension(const struct kernel *kernel)
     return kernel->support > 0 ? kernel->size - 1 : kernel->size;
 }
 
-/* A column in coordinates of the old basis, at stride `stride`, to its coordinates in the new one. What is left over
- * at the last place is 0 for a column in the kernel; its size goes to `defect`. */
-static void kernel_coordinates(const struct kernel *kernel, const struct bounded_value *column, size_t stride,
-                               struct bounded_value *result, size_t result_stride, double *defect)
+/* A column w in coordinates of the old basis to its coordinates c in the new one: c_a = w_a + ratio_a-1 c_a-1 from the
+ * front. What is left over at the last place is 0 for a column in the kernel; `defect` receives its size beyond what
+ * errors explain. The same from the back is c_a-1 = (c_a - w_a) / ratio_a-1: of numbers that are not exact the one with
+ * the smaller error is taken, because errors grow like binomial coefficients along the way. */
+static void kernel_coordinates(const struct kernel *kernel, const struct bounded_value *column,
+                               struct bounded_value *result, size_t stride, double *defect)
 {
-    struct bounded_value carry = {value_from_integer(0), 0};
-    size_t k = 0;
+    static const struct bounded_value zero = {{0, 0, true, true}, 0};
+    const struct value *ratios = kernel->ratios;
+    struct bounded_value carry = zero;
+    size_t last = kernel->support - 1, k = 0; /* of the support, when there is one */
     for (size_t a = 0; a < kernel->support; a++) {
-        struct value ratio = a > 0 ? kernel->ratios[a - 1] : value_from_integer(0);
-        carry = add_multiple(column[kernel->places[a] * stride], ratio, carry);
-        if (a + 1 < kernel->support)
-            result[k++ * result_stride] = carry;
+        carry = add_multiple(column[kernel->places[a]], a > 0 ? ratios[a - 1] : zero.value, carry);
+        if (a < last)
+            result[k++ * stride] = carry;
         else
-            *defect = fmax(*defect, fabs(carry.value.real));
+            *defect = fmax(*defect, fabs(carry.value.real) - carry.error);
+    }
+    if (!carry.value.exact)
+        carry = zero;
+    for (size_t a = kernel->support; a-- > 1 && !column[kernel->places[a]].value.exact;) {
+        struct value inverse = value_divide(value_from_integer(1), ratios[a - 1]);
+        carry = add_multiple(carry, value_from_integer(-1), column[kernel->places[a]]);
+        carry = add_multiple(zero, inverse, carry);
+        carry.error *= 1 + 2 * DBL_EPSILON; /* the inverse is rounded, too */
+        if (carry.error < result[(a - 1) * stride].error)
+            result[(a - 1) * stride] = carry;
     }
     for (size_t a = kernel->support; a < kernel->size; a++)
-        result[k++ * result_stride] = column[kernel->places[a] * stride];
+        result[k++ * stride] = column[kernel->places[a]];
 }
 
-/* R with A D = D' R, the columns of D and D' being the bases of the kernels. */
+/* R with A D = D' R, the columns of D and D' being the bases of the kernels. Where numbers are not exact, what
+ * their errors leave unexplained of the difference is added to them. */
 static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *from, const struct kernel *to,
-                               double error, struct arena *arena)
+                               struct arena *arena)
 {
     size_t rows = from->size, columns = to->size;
     size_t new_rows = kernel_dimension(from), new_columns = kernel_dimension(to);
@@ -231,16 +253,15 @@ static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *
                                          map->entries[i * columns + to->places[k + 1]]);
             exact = exact && column[i].value.exact;
         }
-        kernel_coordinates(from, column, 1, entries + k, new_columns, &defect);
+        kernel_coordinates(from, column, entries + k, new_columns, &defect);
     }
     for (size_t i = 0; i < new_rows * new_columns && !exact; i++)
-        entries[i].error += error + defect;
+        entries[i].error += defect;
     map->entries = entries;
     return BCIFS_OK;
 }
 
-bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, double defect,
-                                struct arena *arena)
+bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, struct arena *arena)
 {
     struct kernel *kernels = arena_new(arena, restriction->count, sizeof *kernels);
     size_t *dimensions = arena_new(arena, restriction->count, sizeof *dimensions);
@@ -252,9 +273,59 @@ bcifs_status restriction_reduce(struct restriction *restriction, const struct va
     }
     for (size_t e = 0; e < restriction->map_count && status == BCIFS_OK; e++) {
         struct restricted_map *map = &restriction->maps[e];
-        status = map_reduce(map, &kernels[map->from], &kernels[map->to], defect, arena);
+        status = map_reduce(map, &kernels[map->from], &kernels[map->to], arena);
     }
     restriction->dimensions = dimensions;
+    return status;
+}
+
+/* The equations q^x A - N^-k q^y = 0, one for each column of each map. */
+static void functional_equations(const struct restriction *restriction, int k, const size_t *base,
+                                 struct value *equations, size_t unknowns)
+{
+    struct value *equation = equations;
+    for (size_t e = 0; e < restriction->map_count; e++) {
+        const struct restricted_map *map = &restriction->maps[e];
+        size_t columns = restriction->dimensions[map->to];
+        struct value factor = value_divide(value_from_integer(1), value_power((int64_t)map->subdivisions, k));
+        for (size_t j = 0; j < columns; j++, equation += unknowns) {
+            for (size_t i = 0; i < unknowns; i++)
+                equation[i] = value_from_integer(0);
+            for (size_t i = 0; i < restriction->dimensions[map->from]; i++)
+                equation[base[map->from] + i] = map->entries[i * columns + j].value;
+            struct value *own = &equation[base[map->to] + j];
+            *own = value_subtract(*own, factor);
+        }
+    }
+}
+
+bcifs_status restriction_functional(const struct restriction *restriction, int k, struct arena *arena,
+                                    struct value **q, size_t *found)
+{
+    size_t *base = arena_new(arena, restriction->count + 1, sizeof *base), rows = 0, free = 0;
+    *found = 0;
+    if (!base)
+        return BCIFS_MEMORY;
+    for (size_t x = 0; x < restriction->count; x++)
+        base[x + 1] = base[x] + restriction->dimensions[x];
+    for (size_t e = 0; e < restriction->map_count; e++)
+        rows += restriction->dimensions[restriction->maps[e].to];
+    size_t unknowns = base[restriction->count];
+    if (unknowns == 0 || unknowns > RESTRICTION_MOST_UNKNOWNS)
+        return BCIFS_OK;
+    struct value *equations = arena_new(arena, rows * unknowns, sizeof *equations);
+    struct value *solution = arena_new(arena, unknowns, sizeof *solution);
+    if (!equations || !solution)
+        return BCIFS_MEMORY;
+    functional_equations(restriction, k, base, equations, unknowns);
+    bcifs_status status = equations_solve(equations, rows, unknowns, false, arena, solution, &free);
+    for (size_t x = 0; x < restriction->count && status == BCIFS_OK; x++) {
+        bool is_zero = true;
+        q[x] = restriction->dimensions[x] > 0 ? solution + base[x] : NULL;
+        for (size_t i = base[x]; i < base[x + 1] && free > 0; i++)
+            is_zero = is_zero && is_negligible(solution[i], 1);
+        *found += !is_zero;
+    }
     return status;
 }
 
@@ -303,7 +374,7 @@ bcifs_status restriction_begin(struct restriction *restriction, const struct sta
             restriction->maps[restriction->map_count++] = map;
         }
     }
-    return restriction_reduce(restriction, ones, 0, arena);
+    return restriction_reduce(restriction, ones, arena);
 }
 
 bcifs_status restriction_family(const struct restriction *restriction, struct arena *arena,

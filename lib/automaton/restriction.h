@@ -10,6 +10,8 @@
 #include "automaton/states.h"
 #include "numeric/joint_radius.h"
 
+enum { RESTRICTION_MOST_UNKNOWNS = 192 /* the equations take its cube in steps of arithmetic */ };
+
 /* A number, exact in the field where `value` is, and how far value.real may be from it. */
 struct bounded_value {
     struct value value;
@@ -35,10 +37,13 @@ struct restriction {
 /* The set of `count` expanded states; maps that leave it are left out. */
 bcifs_status restriction_begin(struct restriction *restriction, const struct states *states, const size_t *list,
                                size_t count, struct arena *arena);
-/* Passes on to the kernel of q (one vector for each state, dimension numbers), which is not 0 where the dimension is
- * not 0. `defect`: how far q A = c q may fail, 0 when it is exact. */
-bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, double defect,
-                                struct arena *arena);
+/* Looks for q with q^x A = N^-k q^y for every map A : x ← y, N the number of maps of x. q[x] is NULL where the
+ * dimension is 0; `found` receives how many of the q^x are not 0. Nothing is found with more than
+ * RESTRICTION_MOST_UNKNOWNS coordinates. */
+bcifs_status restriction_functional(const struct restriction *restriction, int k, struct arena *arena,
+                                    struct value **q, size_t *found);
+/* Passes on to the kernel of q. */
+bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, struct arena *arena);
 /* The maps in doubles with their errors, as a constrained family; edge e is map e. */
 bcifs_status restriction_family(const struct restriction *restriction, struct arena *arena,
                                 struct joint_family *family);
@@ -51,5 +56,7 @@ bcifs_status equations_solve(struct value *equations, size_t rows, size_t unknow
                              struct arena *arena, struct value *solution, size_t *free);
 /* The double nearest to an exact value, as far as the field tells; sets value->real. Returns a bound of its error. */
 double value_pin(struct value *value, double error);
+/* base^exponent. */
+struct value value_power(int64_t base, int exponent);
 
 #endif

@@ -1,9 +1,10 @@
 /* Rewriting the main file at another level of description, [IM] 4.
  *
- * The text is edited where an edge's maps stand, and then put in canonical layout; everything else stays as it was
- * written. Where the level can be written by moving entries about, their own texts are moved, so that params and
- * arguments stay free: that the moved entries agree is then an identity, checked with random residues in place of
- * everything free. Otherwise the entries are written as numbers, for the params' values. */
+ * The text is edited where an edge's maps stand, and then put in canonical layout; everything else stays as
+ * it was written. Where the level can be written by moving entries about, their own texts are moved, so that
+ * params and arguments stay free: that the moved entries agree is then an identity, checked with random
+ * residues in place of everything free. Otherwise the entries are written as numbers, for the params' values.
+ */
 #include <string.h>
 
 #include "automaton/describe.h"
@@ -51,14 +52,16 @@ static bcifs_status out_of_memory(const struct rewriting *rewriting)
 }
 
 /* The answer is no: keeps the first reason. */
-static bcifs_status decline(struct rewriting *rewriting, const struct definition *definition, const char *reason)
+static bcifs_status decline(struct rewriting *rewriting, const struct definition *definition,
+                            const char *reason)
 {
     static const char *const forms[] = {
         [BCIFS_MAPS] = "maps", [BCIFS_REFINEMENT] = "a refinement matrix", [BCIFS_MASK] = "a mask"};
     struct text text = {0};
     text_format(&text, "'%s' cannot be written as %s: %s", definition->name, forms[rewriting->level], reason);
     if (!text.failed && !rewriting->reason[0]) {
-        size_t length = text.length < sizeof rewriting->reason - 1 ? text.length : sizeof rewriting->reason - 1;
+        size_t length =
+            text.length < sizeof rewriting->reason - 1 ? text.length : sizeof rewriting->reason - 1;
         memcpy(rewriting->reason, text.data, length);
         rewriting->reason[length] = '\0';
     }
@@ -95,9 +98,11 @@ static bcifs_status entry_text(struct rewriting *rewriting, const struct express
     return text_keep(rewriting, &text, kept);
 }
 
-static bcifs_status script_new(struct rewriting *rewriting, size_t rows, size_t columns, struct script *script)
+static bcifs_status script_new(struct rewriting *rewriting, size_t rows, size_t columns,
+                               struct script *script)
 {
-    *script = (struct script){rows, columns, arena_new(&rewriting->arena, rows * columns, sizeof *script->texts)};
+    *script =
+        (struct script){rows, columns, arena_new(&rewriting->arena, rows * columns, sizeof *script->texts)};
     return script->texts ? BCIFS_OK : out_of_memory(rewriting);
 }
 
@@ -124,8 +129,8 @@ static void script_write(struct text *text, const struct script *script)
 }
 
 /* Columns first … first + columns - 1 of rows 0 … rows - 1. */
-static bcifs_status script_part(struct rewriting *rewriting, const struct script *whole, size_t rows, size_t first,
-                                size_t columns, struct script *part)
+static bcifs_status script_part(struct rewriting *rewriting, const struct script *whole, size_t rows,
+                                size_t first, size_t columns, struct script *part)
 {
     bcifs_status status = script_new(rewriting, rows, columns, part);
     for (size_t i = 0; i < rows && status == BCIFS_OK; i++)
@@ -152,14 +157,16 @@ static size_t token_end(const struct rewriting *rewriting, uint32_t index)
     return token->place + token->length;
 }
 
-static bcifs_status tokens_replace(struct rewriting *rewriting, uint32_t first, uint32_t last, const char *text)
+static bcifs_status tokens_replace(struct rewriting *rewriting, uint32_t first, uint32_t last,
+                                   const char *text)
 {
     return edit_add(rewriting, token_at(rewriting, first)->place, token_end(rewriting, last), text);
 }
 
 /* ---- The edge's matrices ------------------------------------------------------------------------------- */
 
-static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, enum part_kind kind, size_t number)
+static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, enum part_kind kind,
+                                              size_t number)
 {
     for (size_t i = 0; i < cell->part_count; i++)
         if (cell->parts[i]->kind == kind && number-- == 0)
@@ -167,7 +174,8 @@ static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, en
     return NULL;
 }
 
-/* Elaborates the edge: `free` with random residues for params and arguments, otherwise at the params' values. */
+/* Elaborates the edge: `free` with random residues for params and arguments, otherwise at the params' values.
+ */
 static bcifs_status subject_make(struct rewriting *rewriting, const struct definition *definition, bool free,
                                  uint64_t seed, struct subject *subject)
 {
@@ -175,8 +183,9 @@ static bcifs_status subject_make(struct rewriting *rewriting, const struct defin
     size_t index = 0;
     const char *reason;
     *subject = (struct subject){.definition = definition};
-    bcifs_status status = sample_take(rewriting->automaton, definition, NULL, free ? SAMPLE_PROVING : SAMPLE_ACTUAL,
-                                      seed, &rewriting->arena, rewriting->report, &sample);
+    bcifs_status status =
+        sample_take(rewriting->automaton, definition, NULL, free ? SAMPLE_PROVING : SAMPLE_ACTUAL, seed,
+                    &rewriting->arena, rewriting->report, &sample);
     /* A param that was set is a number here, but stays a param in the file. */
     for (size_t i = 0; status == BCIFS_OK && free && i < rewriting->automaton->parameter_count; i++) {
         const struct parameter *parameter = &rewriting->automaton->parameters[i];
@@ -206,7 +215,8 @@ static bcifs_status refinement_script(struct rewriting *rewriting, const struct 
                                       struct script *script)
 {
     const struct syntax_cell *cell = subject->definition->syntax;
-    const struct syntax_part *mask = part_of_kind(cell, PART_MASK, 0), *refine = part_of_kind(cell, PART_REFINE, 0);
+    const struct syntax_part *mask = part_of_kind(cell, PART_MASK, 0),
+                             *refine = part_of_kind(cell, PART_REFINE, 0);
     const struct syntax_part *part = mask ? mask : refine;
     size_t m = subject->class.points, n = subject->class.subdivisions, step = subject->class.step;
     struct script written;
@@ -236,7 +246,8 @@ static bcifs_status refinement_script(struct rewriting *rewriting, const struct 
 
 /* The entries without a text, or all, become numbers; BCIFS_NO where these depend on arguments. */
 static bcifs_status script_complete(struct rewriting *rewriting, const struct subject *free,
-                                    const struct subject *actual, bool all, struct script *script, bool *of_params)
+                                    const struct subject *actual, bool all, struct script *script,
+                                    bool *of_params)
 {
     *of_params = false;
     for (size_t i = 0; i < script->rows * script->columns; i++) {
@@ -245,7 +256,8 @@ static bcifs_status script_complete(struct rewriting *rewriting, const struct su
             continue;
         bool fixed = free->fused && free->fused->values[i].fixed;
         if (!fixed && actual->definition->argument_count > 0)
-            return decline(rewriting, actual->definition, "an entry depends on its arguments and has no text to copy");
+            return decline(rewriting, actual->definition,
+                           "an entry depends on its arguments and has no text to copy");
         struct text text = {0};
         *of_params = *of_params || !fixed;
         value_write(&text, value);
@@ -265,7 +277,7 @@ static bcifs_status level_proved(struct rewriting *rewriting, const struct defin
         bcifs_status status = subject_make(rewriting, definition, true, round, free);
         if (status)
             return status;
-        *reason = !free->fused                                              ? free->masks.reason
+        *reason = !free->fused                                         ? free->masks.reason
                   : rewriting->level == BCIFS_MASK && !free->masks.row ? free->masks.row_reason
                                                                        : NULL;
     }
@@ -289,7 +301,8 @@ static bool children_are_own(const struct syntax_cell *cell, const struct defini
     return true;
 }
 
-/* T_÷ in words and numbers, and a note when numbers stand for params. BCIFS_NO when the level does not exist. */
+/* T_÷ in words and numbers, and a note when numbers stand for params. BCIFS_NO when the level does not exist.
+ */
 static bcifs_status edge_script(struct rewriting *rewriting, const struct definition *definition,
                                 struct subject *actual, struct script *script, bool *of_params)
 {
@@ -297,8 +310,9 @@ static bcifs_status edge_script(struct rewriting *rewriting, const struct defini
     const char *reason;
     if (!children_are_own(definition->syntax, definition))
         return decline(rewriting, definition,
-                       definition->argument_count ? "its children are in other states, or have other arguments"
-                                                  : "its children are in other states");
+                       definition->argument_count
+                           ? "its children are in other states, or have other arguments"
+                           : "its children are in other states");
     bcifs_status status = level_proved(rewriting, definition, &free, &reason);
     if (status == BCIFS_OK)
         status = subject_make(rewriting, definition, false, 0, actual);
@@ -310,8 +324,10 @@ static bcifs_status edge_script(struct rewriting *rewriting, const struct defini
                        actual->fused && missing ? actual->masks.row_reason
                        : missing                ? actual->masks.reason
                                                 : reason);
-    if (actual->class.step == 0 || actual->class.joint[0] != actual->class.joint[1] || actual->class.subdivisions < 2)
-        return decline(rewriting, definition, "it needs two children and joints of one size, smaller than the arc");
+    if (actual->class.step == 0 || actual->class.joint[0] != actual->class.joint[1] ||
+        actual->class.subdivisions < 2)
+        return decline(rewriting, definition,
+                       "it needs two children and joints of one size, smaller than the arc");
     status = refinement_script(rewriting, actual, script);
     return status ? status : script_complete(rewriting, &free, actual, reason != NULL, script, of_params);
 }
@@ -335,7 +351,8 @@ static bcifs_status note_add(struct rewriting *rewriting, const struct syntax_ce
 }
 
 /* The part that held the maps gives way to `text`; of several `sub` the first does, the others go. */
-static bcifs_status maps_replace(struct rewriting *rewriting, const struct syntax_cell *cell, struct text *text)
+static bcifs_status maps_replace(struct rewriting *rewriting, const struct syntax_cell *cell,
+                                 struct text *text)
 {
     const char *kept;
     bcifs_status status = text_keep(rewriting, text, &kept);
@@ -402,7 +419,8 @@ static bool name_is_taken(const struct rewriting *rewriting, const char *name)
 }
 
 /* "arc_joint", or the first of "arc_joint_2", … that is free. */
-static bcifs_status joint_name(struct rewriting *rewriting, const struct definition *definition, const char **name)
+static bcifs_status joint_name(struct rewriting *rewriting, const struct definition *definition,
+                               const char **name)
 {
     for (unsigned number = 1;; number++) {
         struct text text = {0};
@@ -476,8 +494,8 @@ static bcifs_status maps_write(struct rewriting *rewriting, const struct definit
         status = joint_write(rewriting, actual, script, &text);
     for (size_t i = 0; i < actual->class.subdivisions && status == BCIFS_OK; i++) {
         struct script map;
-        status = script_part(rewriting, script, actual->class.points, i * actual->class.step, actual->class.points,
-                             &map);
+        status = script_part(rewriting, script, actual->class.points, i * actual->class.step,
+                             actual->class.points, &map);
         if (status)
             break;
         text_format(&text, "%ssub %s", i ? "\n" : "", cell->name);
@@ -534,7 +552,8 @@ static bcifs_status parameters_rewrite(struct rewriting *rewriting)
         value_write(&text, parameter->value);
         status = text_keep(rewriting, &text, &kept);
         if (status == BCIFS_OK)
-            status = tokens_replace(rewriting, parameter->syntax->value->first, parameter->syntax->value->last, kept);
+            status = tokens_replace(rewriting, parameter->syntax->value->first,
+                                    parameter->syntax->value->last, kept);
     }
     return status;
 }
@@ -574,9 +593,10 @@ static bcifs_status text_finish(struct rewriting *rewriting, struct text *text)
         place = edit->to;
     }
     text_append_bytes(&edited, rewriting->source->text + place, rewriting->source->length - place);
-    bcifs_status status = edited.failed ? out_of_memory(rewriting)
-                                        : source_from_text(&rewriting->arena, rewriting->source->name, edited.data,
-                                                           edited.length, rewriting->report, &source);
+    bcifs_status status = edited.failed
+                              ? out_of_memory(rewriting)
+                              : source_from_text(&rewriting->arena, rewriting->source->name, edited.data,
+                                                 edited.length, rewriting->report, &source);
     if (status == BCIFS_OK)
         status = syntax_parse(&rewriting->arena, source, rewriting->report, &file);
     text_free(&edited);
@@ -586,7 +606,8 @@ static bcifs_status text_finish(struct rewriting *rewriting, struct text *text)
     return text->failed ? out_of_memory(rewriting) : BCIFS_OK;
 }
 
-bcifs_status bcifs_rewrite(const bcifs_automaton *automaton, bcifs_level level, char **text, bcifs_error *error)
+bcifs_status bcifs_rewrite(const bcifs_automaton *automaton, bcifs_level level, char **text,
+                           bcifs_error *error)
 {
     struct report report = report_new(NULL);
     struct rewriting rewriting = {.automaton = automaton,

@@ -1,5 +1,6 @@
 #include "command.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -78,6 +79,27 @@ int automaton_load(const struct arguments *arguments, bcifs_automaton **automato
     return exit_of(bcifs_load(arguments->file, &options, automaton, &error));
 }
 
+int equations_check(const struct arguments *arguments, const bcifs_automaton *automaton)
+{
+    bcifs_check *check;
+    bcifs_error error;
+    bcifs_load_options options = load_options(arguments);
+    bcifs_status status = bcifs_check_create(automaton, &options, &check, &error);
+    if (status)
+        return exit_of(status);
+    bool valid = bcifs_check_valid(check);
+    for (size_t i = 0; !valid && i < bcifs_check_equation_count(check); i++) {
+        const bcifs_equation *equation = bcifs_check_equation(check, i);
+        if (equation->holds)
+            continue;
+        fprintf(stderr, "%s:%u: error: '%s' does not satisfy %s; 'bcifs check' shows why\n", equation->file,
+                equation->line, equation->state, equation->text);
+        break;
+    }
+    bcifs_check_free(check);
+    return valid ? EXIT_YES : EXIT_NO;
+}
+
 int text_output(const struct arguments *arguments, char *text)
 {
     bcifs_error error;
@@ -119,20 +141,32 @@ int unsigned_read(const char *option, const char *text, unsigned *number)
     return EXIT_YES;
 }
 
-/* The format asked for, by --format, --json or the ending of -o; csv without any. */
+/* Capital letters are alike to small ones in endings. */
+static bool word_equal(const char *a, const char *b)
+{
+    while (*a && tolower((unsigned char)*a) == tolower((unsigned char)*b)) {
+        a++;
+        b++;
+    }
+    return *a == *b;
+}
+
 const char *output_format(const struct arguments *arguments)
 {
-    const char *ending = arguments->output ? strrchr(arguments->output, '.') : NULL;
-    if (arguments->format)
-        return arguments->format;
-    return arguments->json ? "json" : ending ? ending + 1 : "csv";
+    const char *name = arguments->output ? strrchr(arguments->output, '/') : NULL;
+    const char *ending = arguments->output ? strrchr(name ? name : arguments->output, '.') : NULL;
+    const char *wanted = arguments->format ? arguments->format : arguments->json ? "json" : ending ? ending + 1 : "csv";
+    for (size_t i = 0; bcifs_format_name(i); i++)
+        if (word_equal(bcifs_format_name(i), wanted))
+            return bcifs_format_name(i);
+    return wanted;
 }
 
 bool output_is_picture(const struct arguments *arguments)
 {
     const char *format = output_format(arguments);
     for (size_t i = 0; bcifs_format_name(i); i++)
-        if (strcmp(bcifs_format_name(i), format) == 0)
+        if (bcifs_format_name(i) == format)
             return bcifs_format_is_picture(i);
     return false;
 }

@@ -44,7 +44,8 @@ struct command {
     int (*run)(const struct arguments *arguments);
 };
 
-extern const struct command command_analyze, command_check, command_complete, command_describe, command_eval, command_fmt;
+extern const struct command command_analyze, command_basis, command_check, command_complete, command_describe,
+    command_eval, command_fmt;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);
@@ -62,6 +63,9 @@ int exit_of(bcifs_status status);
 
 /* Loads the automaton; its diagnostics go to standard error. `quiet` leaves out warnings. */
 int automaton_load(const struct arguments *arguments, bcifs_automaton **automaton);
+/* Points shared by neighbors are written once, so what is drawn must be proved to meet: EXIT_NO, having said which
+ * equation fails first. */
+int equations_check(const struct arguments *arguments, const bcifs_automaton *automaton);
 /* Options for library calls that report: `context` must be `arguments`. */
 bcifs_load_options load_options(const struct arguments *arguments);
 

@@ -85,8 +85,9 @@ const struct command command_complete = {
     .name = "complete",
     .usage = "FILE [options]",
     .summary = "solves the equations for the entries written '?' and prints the completed automaton",
-    .text = "What the equations leave free becomes params of the answer. Equations that contradict each other\n"
-            "are named, exit status 1. A file without '?' is checked, as by bcifs check.\n",
+    .text =
+        "What the equations leave free becomes params of the answer. Equations that contradict each other\n"
+        "are named, exit status 1. A file without '?' is checked, as by bcifs check.\n",
     .options = options_list,
     .run = run,
 };

@@ -121,7 +121,8 @@ static const struct option options_list[] = {
     {"--state", "NAME", "this state only"},
     {"--figure", "NAME", "with -o x.mtx: which figure of the file (default: the first)"},
     {"--set", "NAME=EXPR", "give a param a value; may be repeated"},
-    {"-o", "FILE", "where to write: .mtx a refinement matrix, .dot and .svg the automaton drawn, .json, text"},
+    {"-o", "FILE",
+     "where to write: .mtx a refinement matrix, .dot and .svg the automaton drawn, .json, text"},
     {"--format", "NAME", "text, json, mtx, dot or svg"},
     {"--json", NULL, "print one JSON object"},
     {"--quiet", NULL, "no warnings"},
@@ -132,9 +133,11 @@ const struct command command_describe = {
     .name = "describe",
     .usage = "FILE [options]",
     .summary = "classifies every state; maps, refinement matrix and masks, each from the others",
-    .text = "A refinement matrix is the maps written over each other; where its columns repeat it is given by masks.\n"
+    .text = "A refinement matrix is the maps written over each other; where its columns repeat it is given "
+            "by masks.\n"
             "An edge that cannot be written at the level of --as says why (exit status 1).\n"
-            "-o x.mtx writes the sparse matrix from a figure's control points to those of level n (MatrixMarket).\n",
+            "-o x.mtx writes the sparse matrix from a figure's control points to those of level n "
+            "(MatrixMarket).\n",
     .options = options_list,
     .run = run,
 };

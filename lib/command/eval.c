@@ -229,9 +229,12 @@ static int positions_write(struct evaluation *evaluation)
     const struct arguments *arguments = evaluation->arguments;
     unsigned dimension = bcifs_figure_dimension(evaluation->figure);
     size_t count = arguments->position_count, length = 0;
-    bool json = arguments->json || (arguments->format && strcmp(arguments->format, "json") == 0);
-    if (arguments->format && !json && strcmp(arguments->format, "csv") != 0)
-        return complain("single points are written as csv or json");
+    bool json = strcmp(output_format(arguments), "json") == 0;
+    if (!json && strcmp(output_format(arguments), "csv") != 0)
+        return complain("single points are written as csv or json, not as '%s'", output_format(arguments));
+    if (arguments->depth || arguments->show || arguments->range || arguments->levels || arguments->polygon)
+        return complain("--at and --address give single limit points; --depth, --show, --range, --levels and "
+                        "--polygon do not go with them");
     char *text = malloc((count + 2) * ROW);
     double point[16];
     bcifs_error error;
@@ -255,28 +258,6 @@ static int positions_write(struct evaluation *evaluation)
 
 /* ---- The command --------------------------------------------------------------------------------------- */
 
-/* Points shared by neighbors are written once, so what is drawn must be proved to meet. */
-static int equations_check(const struct evaluation *evaluation)
-{
-    bcifs_check *check;
-    bcifs_error error;
-    bcifs_load_options options = load_options(evaluation->arguments);
-    bcifs_status status = bcifs_check_create(evaluation->automaton, &options, &check, &error);
-    if (status)
-        return exit_of(status);
-    bool valid = bcifs_check_valid(check);
-    for (size_t i = 0; !valid && i < bcifs_check_equation_count(check); i++) {
-        const bcifs_equation *equation = bcifs_check_equation(check, i);
-        if (equation->holds)
-            continue;
-        fprintf(stderr, "%s:%u: error: '%s' does not satisfy %s; 'bcifs check' shows why\n", equation->file,
-                equation->line, equation->state, equation->text);
-        break;
-    }
-    bcifs_check_free(check);
-    return valid ? EXIT_YES : EXIT_NO;
-}
-
 static int figure_make(struct evaluation *evaluation)
 {
     const struct arguments *arguments = evaluation->arguments;
@@ -296,7 +277,7 @@ static int figure_make(struct evaluation *evaluation)
 
 static int evaluate(struct evaluation *evaluation)
 {
-    int status = equations_check(evaluation);
+    int status = equations_check(evaluation->arguments, evaluation->automaton);
     if (status == EXIT_YES)
         status = figure_make(evaluation);
     if (status)

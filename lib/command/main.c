@@ -5,8 +5,9 @@
 
 #include "command.h"
 
-static const struct command *const commands[] = {&command_analyze,  &command_check, &command_complete,
-                                                 &command_describe, &command_eval,  &command_fmt};
+static const struct command *const commands[] = {&command_analyze,  &command_basis,    &command_check,
+                                                 &command_complete, &command_describe, &command_eval,
+                                                 &command_fmt};
 
 const struct command *command_at(size_t index)
 {

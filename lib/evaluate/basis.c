@@ -14,9 +14,11 @@ struct unit_group {
 
 enum { UNIT_TILE = 256 /* columns asked of a walker at a time */ };
 
-/* One piece in the state, whose control points first … first + dimension - 1 are unit vectors, the others 0. */
-static bcifs_status group_figure(struct unit_group *group, const bcifs_figure *model, const struct states *states,
-                                 size_t state, size_t first, struct report *report)
+/* One piece in the state, whose control points first … first + dimension - 1 are unit vectors, the others 0.
+ */
+static bcifs_status group_figure(struct unit_group *group, const bcifs_figure *model,
+                                 const struct states *states, size_t state, size_t first,
+                                 struct report *report)
 {
     size_t m = states->states[state].points;
     bcifs_figure *figure = group->figure = memory_new(1, sizeof *figure);
@@ -54,7 +56,8 @@ static bcifs_status group_open(struct unit_group *group, const bcifs_view *view,
     bcifs_status status = bcifs_plan_create(group->figure, view, &group->plan, &error);
     if (status == BCIFS_OK)
         status = bcifs_walker_create(group->plan, &group->walker, &error);
-    return status ? report_failure(report, status, error.file[0] ? error.file : NULL, "%s", error.message) : BCIFS_OK;
+    return status ? report_failure(report, status, error.file[0] ? error.file : NULL, "%s", error.message)
+                  : BCIFS_OK;
 }
 
 bcifs_status unit_open(struct unit_reader *reader, const bcifs_figure *figure, const struct states *states,
@@ -111,16 +114,27 @@ void unit_close(struct unit_reader *reader)
 
 /* ---- Tables -------------------------------------------------------------------------------------------- */
 
+/* A parameter as a fraction of integers, so that it has the same bits whatever the level (below 2^53). */
+struct share {
+    double numerator, denominator;
+};
+
 /* The samples of a state at the depth below the level: count columns, `body` of them before its end. */
 struct basis_table {
     const double *columns;
-    const double *shares; /* of the cell's own parameter, 0..1, where they are */
+    const struct share *shares; /* where they are in the cell's own parameter, 0..1 */
     size_t body, count;
 };
 
+/* The part `index` of `count`: (a + i/n) / b, where the whole is a/b … (a + 1)/b. */
+static struct share share_part(struct share whole, size_t index, size_t count)
+{
+    return (struct share){whole.numerator * (double)count + (double)index, whole.denominator * (double)count};
+}
+
 /* Every child takes an equal share of its parent's parameter, as in bcifs_point_at. */
-static bcifs_status shares_fill(struct basis *basis, size_t state, unsigned depth, double low, double width,
-                                double *shares, size_t *count)
+static bcifs_status shares_fill(struct basis *basis, size_t state, unsigned depth, struct share low,
+                                struct share *shares, size_t *count)
 {
     if (depth == 0) {
         shares[(*count)++] = low;
@@ -130,7 +144,7 @@ static bcifs_status shares_fill(struct basis *basis, size_t state, unsigned dept
     size_t children = status ? 0 : basis->states.states[state].cell->child_count;
     for (size_t i = 0; i < children && status == BCIFS_OK; i++)
         status = shares_fill(basis, basis->states.states[state].children[i], depth - 1,
-                             low + width * ((double)i / (double)children), width / (double)children, shares, count);
+                             share_part(low, i, children), shares, count);
     return status;
 }
 
@@ -139,21 +153,22 @@ static bcifs_status table_read(struct basis *basis, size_t state, struct unit_re
 {
     size_t m = reader->points, filled = 0;
     if (reader->count > (BASIS_MOST_SAMPLES - basis->samples) / m)
-        return report_failure(basis->report, BCIFS_INPUT, NULL,
-                              "the samples of one cell of level %u at depth %u are more than %d numbers; choose a "
-                              "smaller --depth",
-                              basis->view.level, basis->view.depth, BASIS_MOST_SAMPLES);
+        return report_failure(
+            basis->report, BCIFS_INPUT, NULL,
+            "the samples of one cell of level %u at depth %u are more than %d numbers; choose a "
+            "smaller --depth",
+            basis->view.level, basis->view.depth, BASIS_MOST_SAMPLES);
     basis->samples += (size_t)reader->count * m;
     double *columns = arena_new(&basis->arena, (size_t)reader->count * m, sizeof *columns);
-    double *shares = arena_new(&basis->arena, (size_t)reader->count, sizeof *shares);
+    struct share *shares = arena_new(&basis->arena, (size_t)reader->count, sizeof *shares);
     if (!columns || !shares)
         return report_memory(basis->report);
     for (size_t done = 0, more = 1; more > 0; done += more)
         more = unit_next(reader, columns + done * m, (size_t)reader->count - done);
-    bcifs_status status =
-        shares_fill(basis, state, basis->view.depth - basis->view.level, 0, 1, shares, &filled);
+    bcifs_status status = shares_fill(basis, state, basis->view.depth - basis->view.level,
+                                      (struct share){0, 1}, shares, &filled);
     if (filled < reader->count)
-        shares[filled] = 1;
+        shares[filled] = (struct share){1, 1};
     *table = (struct basis_table){columns, shares, (size_t)reader->body, (size_t)reader->count};
     return status;
 }
@@ -183,10 +198,10 @@ static bcifs_status table_find(struct basis *basis, size_t state, const struct b
 
 /* ---- Cells of the level -------------------------------------------------------------------------------- */
 
-/* A cell above or at the level: its state, which child comes next, and its share low … low + width. */
+/* A cell above or at the level: its state, which child comes next, and its share of the parameter. */
 struct basis_frame {
     size_t state, child;
-    double low, width;
+    struct share share; /* where it begins; it is 1/denominator wide */
 };
 
 static bool at_level_zero(const struct basis *basis)
@@ -210,18 +225,17 @@ static bcifs_status frames_descend(struct basis *basis, unsigned height)
         if (status)
             return status;
         const struct state *state = &basis->states.states[frame->state];
-        double width = frame->width / (double)state->cell->child_count;
-        frame[1] = (struct basis_frame){state->children[frame->child], 0, frame->low + width * (double)frame->child,
-                                        width};
+        frame[1] = (struct basis_frame){state->children[frame->child], 0,
+                                        share_part(frame->share, frame->child, state->cell->child_count)};
     }
     return states_expand(&basis->states, basis->frames[basis->view.level].state);
 }
 
 static bcifs_status piece_enter(struct basis *basis)
 {
-    double width = 1 / (double)basis->figure->piece_count;
-    basis->frames[0] = (struct basis_frame){basis->figure->pieces[basis->piece].state, 0,
-                                            (double)basis->piece / (double)basis->figure->piece_count, width};
+    basis->frames[0] = (struct basis_frame){basis->figure->pieces[basis->piece].state,
+                                            0,
+                                            {(double)basis->piece, (double)basis->figure->piece_count}};
     return frames_descend(basis, 0);
 }
 
@@ -275,8 +289,8 @@ bcifs_status basis_open(struct basis *basis, const bcifs_figure *figure, const b
     if (status)
         return report_failure(report, status, NULL, "%s", error.message);
     if (view->depth < view->level)
-        return report_failure(report, BCIFS_INPUT, NULL, "the depth, %u, must be at least the level, %u", view->depth,
-                              view->level);
+        return report_failure(report, BCIFS_INPUT, NULL, "the depth, %u, must be at least the level, %u",
+                              view->depth, view->level);
     if (count > BASIS_MOST_FUNCTIONS)
         return report_failure(report, BCIFS_INPUT, NULL,
                               "level %u has %llu blending functions; the limit is %d", view->level,
@@ -305,10 +319,8 @@ static void row_make(struct basis *basis, const struct basis_table *table, struc
         basis->indices[j] = at_level_zero(basis)
                                 ? piece->indices[j]
                                 : basis->chain_base + (basis->offset + j) % basis->chain_functions;
-    bool at_end = basis->sample >= table->body;
-    row->t = at_end && basis->piece + 1 == basis->figure->piece_count
-                 ? 1
-                 : cell->low + cell->width * table->shares[basis->sample];
+    const struct share whole = cell->share, part = table->shares[basis->sample];
+    row->t = (whole.numerator * part.denominator + part.numerator) / (whole.denominator * part.denominator);
     row->functions = basis->indices;
     row->values = table->columns + basis->sample * m;
     row->count = m;
@@ -366,15 +378,17 @@ void basis_close(struct basis *basis)
     arena_free(&basis->arena);
 }
 
-bcifs_status bcifs_basis_count(const bcifs_figure *figure, unsigned level, uint64_t *count, bcifs_error *error)
+bcifs_status bcifs_basis_count(const bcifs_figure *figure, unsigned level, uint64_t *count,
+                               bcifs_error *error)
 {
     struct report report = report_new(NULL);
     const bcifs_view view = {.depth = level, .show = BCIFS_CONTROL, .to = 1};
     bcifs_plan *plan;
     if (figure->shape != FIGURE_CURVE) {
-        report_failure(&report, BCIFS_INPUT, NULL, "blending functions are drawn for curves; '%s' is %s", figure->name,
-                       figure->shape == FIGURE_SURFACE ? "a surface: those of its two directions multiply ([IM] 6.2)"
-                                                       : "an attractor");
+        report_failure(
+            &report, BCIFS_INPUT, NULL, "blending functions are drawn for curves; '%s' is %s", figure->name,
+            figure->shape == FIGURE_SURFACE ? "a surface: those of its two directions multiply ([IM] 6.2)"
+                                            : "an attractor");
         return report_close(&report, error);
     }
     *count = figure->point_count;

@@ -38,7 +38,7 @@ static bool number_append(struct table *table, double number)
     return true;
 }
 
-/* Whether a row has no number at all: the header. */
+/* Whether a row is the header: every field begins as a name does, and none is a number. */
 static bool is_header(const char *begin, const char *end)
 {
     while (begin <= end) {
@@ -46,7 +46,8 @@ static bool is_header(const char *begin, const char *end)
         const char *field_end = stop ? stop : end, *field = begin;
         double number;
         trim(&field, &field_end);
-        if (field == field_end || decimal_parse(field, (size_t)(field_end - field), &number))
+        bool name = field < field_end && !strchr("+-.0123456789", *field);
+        if (!name || decimal_parse(field, (size_t)(field_end - field), &number))
             return false;
         if (!stop)
             break;
@@ -64,8 +65,9 @@ static bcifs_status field_read(struct table *table, const char *begin, const cha
     if (begin == end)
         return report_error(table->report, table->source, place, "a coordinate is missing");
     if (!decimal_parse(begin, (size_t)(end - begin), &number))
-        return report_error(table->report, table->source, place, "expected a number, found '%.*s'",
-                            (int)(end - begin > 40 ? 40 : end - begin), begin);
+        return report_error(table->report, table->source, place, "expected a number, found '%.*s'%s",
+                            (int)(end - begin > 40 ? 40 : end - begin), begin,
+                            memchr(begin, ' ', (size_t)(end - begin)) ? "; coordinates are separated by commas" : "");
     return number_append(table, number) ? BCIFS_OK : report_memory(table->report);
 }
 

@@ -281,9 +281,9 @@ static void put_reference(struct printer *p, size_t spaces, const struct syntax_
 /* from..to, the token `..` between them */
 static void put_range(struct printer *p, const struct expression *from, const struct expression *to)
 {
-    put_expression(p, 1, from);
+    put_run(p, 1, from->last, false);
     put(p, 0);
-    put_expression(p, 0, to);
+    put_run(p, 0, to->last, false);
 }
 
 /* ---- Matrices ------------------------------------------------------------------------------------------ */
@@ -302,17 +302,36 @@ static size_t entry_width(const struct printer *p, const struct expression *entr
     return width;
 }
 
-/* Puts the entries of one row behind each other; `widths` (of the columns, NULL: no alignment) pads them. */
+/* How a column of a broken matrix is aligned: on the left, behind a place for signs if an entry has one. */
+struct column {
+    size_t width; /* of the widest entry, the place for signs included */
+    bool sign;
+};
+
+static bool has_sign(const struct printer *p, const struct expression *entry)
+{
+    return p->source[p->file->tokens[entry->first].place] == '-';
+}
+
+/* Spaces before an entry that leave the place for a sign free. */
+static size_t sign_space(const struct printer *p, const struct column *columns, size_t j,
+                         const struct expression *entry)
+{
+    return columns && columns[j].sign && !has_sign(p, entry);
+}
+
+/* Puts the entries of one row behind each other; `columns` (NULL: no alignment) says how they line up. */
 static void put_row(struct printer *p, const struct syntax_matrix *matrix, size_t row, size_t first_spaces,
-                    const size_t *widths)
+                    const struct column *columns)
 {
     size_t spaces = first_spaces;
     for (size_t j = 0; j < matrix->columns && !p->too_long; j++) {
         const struct expression *entry = matrix->entries[row * matrix->columns + j];
+        size_t sign = sign_space(p, columns, j, entry);
         p->next = entry->first;
-        put_run(p, spaces, entry->last, false);
-        size_t width = widths ? entry_width(p, entry) : 0;
-        spaces = widths && width < widths[j] ? widths[j] - width + 1 : 1;
+        put_run(p, spaces + sign, entry->last, false);
+        size_t width = columns ? sign + entry_width(p, entry) : 0;
+        spaces = columns && width < columns[j].width ? columns[j].width - width + 1 : 1;
     }
 }
 
@@ -329,41 +348,46 @@ static void put_flat_matrix(struct printer *p, const struct syntax_matrix *matri
     put(p, 1);
 }
 
-/* The widths of the columns; NULL when the matrix has a comment inside an entry, so that nothing can line up,
+/* The alignment of the columns; NULL when the matrix has a comment inside an entry, so that nothing can line up,
  * or when memory is out, which the text remembers. */
-static size_t *column_widths(struct printer *p, const struct syntax_matrix *matrix)
+static struct column *columns_align(struct printer *p, const struct syntax_matrix *matrix)
 {
-    size_t *widths = memory_new(matrix->columns, sizeof *widths);
-    if (!widths)
+    struct column *columns = memory_new(matrix->columns, sizeof *columns);
+    size_t count = matrix->rows * matrix->columns;
+    if (!columns)
         p->text->failed = true;
-    for (size_t i = 0; widths && i < matrix->rows * matrix->columns; i++) {
-        size_t width = entry_width(p, matrix->entries[i]), *column = &widths[i % matrix->columns];
+    for (size_t i = 0; columns && i < count; i++)
+        columns[i % matrix->columns].sign |= has_sign(p, matrix->entries[i]);
+    for (size_t i = 0; columns && i < count; i++) {
+        struct column *column = &columns[i % matrix->columns];
+        size_t width = entry_width(p, matrix->entries[i]);
         if (width == SIZE_MAX) {
-            memory_free(widths);
+            memory_free(columns);
             return NULL;
         }
-        if (width > *column && width <= PADDED_LONGEST)
-            *column = width;
+        width += sign_space(p, columns, i % matrix->columns, matrix->entries[i]);
+        if (width > column->width && width <= PADDED_LONGEST)
+            column->width = width;
     }
-    return widths;
+    return columns;
 }
 
 /* Each row on a line of its own, the first behind the bracket. */
 static void put_broken_matrix(struct printer *p, const struct syntax_matrix *matrix)
 {
     size_t hang = p->hang;
-    size_t *widths = column_widths(p, matrix);
+    struct column *columns = columns_align(p, matrix);
     put(p, 1);
     bool far = p->column > FARTHEST_COLUMN;
     size_t bracket = far ? p->indent + HANG : p->column - 1;
     p->hang = bracket + 2;
-    put_row(p, matrix, 0, 1, widths);
+    put_row(p, matrix, 0, 1, columns);
     for (size_t i = 1; i < matrix->rows && !p->text->failed; i++) {
         p->next = matrix->entries[i * matrix->columns]->first;
         break_line(p, (struct line_style){.comments = p->hang, .token = p->hang});
-        put_row(p, matrix, i, 0, widths);
+        put_row(p, matrix, i, 0, columns);
     }
-    memory_free(widths);
+    memory_free(columns);
     p->next = matrix->last;
     if (next_comment(p))
         break_line(p, (struct line_style){.comments = p->hang, .token = bracket, .before_close = true});

@@ -35,7 +35,8 @@ enum elimination_outcome linear_row_combine(const struct linear_row *target, str
         return ELIMINATION_MEMORY;
     while (i < target->count || j < row->count) {
         bool left = j == row->count || (i < target->count && target->terms[i].column <= row->terms[j].column);
-        bool right = i == target->count || (j < row->count && row->terms[j].column <= target->terms[i].column);
+        bool right =
+            i == target->count || (j < row->count && row->terms[j].column <= target->terms[i].column);
         struct linear_term sum = left ? target->terms[i++] : (struct linear_term){0, {0, 1}};
         if (right) {
             struct rational scaled;
@@ -63,10 +64,12 @@ struct rational linear_row_factor(const struct linear_row *row, size_t column)
         else
             high = middle;
     }
-    return low < row->count && row->terms[low].column == column ? row->terms[low].factor : rational_from_integer(0);
+    return low < row->count && row->terms[low].column == column ? row->terms[low].factor
+                                                                : rational_from_integer(0);
 }
 
-enum elimination_outcome linear_row_lead(const struct linear_row *row, size_t column, struct linear_row *result)
+enum elimination_outcome linear_row_lead(const struct linear_row *row, size_t column,
+                                         struct linear_row *result)
 {
     struct rational factor = linear_row_factor(row, column);
     struct linear_term *terms = memory_new(row->count, sizeof *terms);
@@ -104,8 +107,9 @@ static enum elimination_outcome row_clear(struct linear_system *system, size_t i
 }
 
 /* The equation with every pivot replaced by what it is. No row holds another's pivot, so one pass does it. */
-static enum elimination_outcome row_reduce(const struct linear_system *system, const struct linear_term *terms,
-                                           size_t count, struct linear_row *result)
+static enum elimination_outcome row_reduce(const struct linear_system *system,
+                                           const struct linear_term *terms, size_t count,
+                                           struct linear_row *result)
 {
     struct linear_row row = {memory_new(count, sizeof *row.terms), count};
     if (!row.terms)

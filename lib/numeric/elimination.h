@@ -1,9 +1,10 @@
 /* Elimination: linear equations over the rationals, solved exactly and kept solved.
  *
- * A system has unknowns, columns 0 … unknowns-1, and givens, the columns behind them (parameters, and the number 1).
- * An equation is a sparse row Σ factor·column = 0. Rows are kept in reduced form (Gauss-Jordan): each is led by one
- * unknown, its pivot, with the factor 1, and no pivot occurs in another row; so a row says what its pivot is in terms
- * of free unknowns and givens. 64-bit fractions that overflow are refused, never rounded. */
+ * A system has unknowns, columns 0 … unknowns-1, and givens, the columns behind them (parameters, and the
+ * number 1). An equation is a sparse row Σ factor·column = 0. Rows are kept in reduced form (Gauss-Jordan):
+ * each is led by one unknown, its pivot, with the factor 1, and no pivot occurs in another row; so a row says
+ * what its pivot is in terms of free unknowns and givens. 64-bit fractions that overflow are refused, never
+ * rounded. */
 #ifndef NUMERIC_ELIMINATION_H
 #define NUMERIC_ELIMINATION_H
 
@@ -39,8 +40,8 @@ struct linear_system {
     struct linear_row *rows;
     size_t *pivots; /* of each row */
     size_t count, capacity;
-    ptrdiff_t *row_of; /* of each unknown: the row it leads, or ELIMINATION_FREE */
-    size_t terms;      /* held now */
+    ptrdiff_t *row_of;          /* of each unknown: the row it leads, or ELIMINATION_FREE */
+    size_t terms;               /* held now */
     struct linear_row conflict; /* what was left of the last equation that conflicted */
 };
 
@@ -57,7 +58,8 @@ enum elimination_outcome linear_row_combine(const struct linear_row *target, str
 /* The factor of a column, 0 when it does not occur. */
 struct rational linear_row_factor(const struct linear_row *row, size_t column);
 /* The row led by another of its unknowns: all factors divided by that one's. */
-enum elimination_outcome linear_row_lead(const struct linear_row *row, size_t column, struct linear_row *result);
+enum elimination_outcome linear_row_lead(const struct linear_row *row, size_t column,
+                                         struct linear_row *result);
 /* Makes `column`, free and occurring in rows[row], the pivot there; the old one becomes free. */
 enum elimination_outcome linear_system_exchange(struct linear_system *system, size_t row, size_t column);
 

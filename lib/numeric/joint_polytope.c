@@ -361,8 +361,9 @@ static bcifs_status eigenvector_find(const double *product, size_t size, struct 
     return BCIFS_OK;
 }
 
-/* The eigenvectors along one closed path, as first vertices; the last image closes the cycle. */
-static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, size_t length)
+/* The eigenvectors along one closed path, as first vertices; the last image closes the cycle. Where the eigenvalue is
+ * not real its conjugate leads as well, with the conjugate eigenvectors. */
+static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, size_t length, bool conjugate)
 {
     const struct block *block = polytope->block;
     size_t node = block->edges[path[0]].from, start, vertex;
@@ -373,6 +374,9 @@ static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, siz
     if (!vector || !image || !product)
         return BCIFS_MEMORY;
     bcifs_status status = eigenvector_find(product, block->dimensions[node], polytope->arena, &value, vector);
+    for (size_t i = 0; i < block->dimensions[node] && conjugate; i++)
+        vector[block->dimensions[node] + i] = -vector[block->dimensions[node] + i];
+    value = conjugate ? conj(value) : value;
     if (status == BCIFS_OK)
         status = vertex_add(polytope, node, vector, &start);
     vertex = start;
@@ -589,8 +593,11 @@ bcifs_status block_polytope(const struct block *block, const struct candidate *c
         status = eigenvalue_is_complex(block, candidate, arena, &polytope.complex_case);
     if (status == BCIFS_OK)
         status = polytope_create(&polytope);
-    for (size_t i = 0; i < candidate->count && status == BCIFS_OK; i++)
-        status = cycle_add(&polytope, candidate->edges[i], candidate->lengths[i]);
+    for (size_t i = 0; i < candidate->count && status == BCIFS_OK; i++) {
+        status = cycle_add(&polytope, candidate->edges[i], candidate->lengths[i], false);
+        if (status == BCIFS_OK && polytope.complex_case)
+            status = cycle_add(&polytope, candidate->edges[i], candidate->lengths[i], true);
+    }
     if (status == BCIFS_OK)
         status = images_account(&polytope, TOLERANCE_JOINT, workspace);
     if (status == BCIFS_OK)

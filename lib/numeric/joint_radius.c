@@ -16,7 +16,7 @@ enum {
     MOST_ELLIPSOID = 64,      /* total dimension up to which ellipsoids and polytopes are tried */
     ELLIPSOID_STEPS = 300
 };
-static const double WORK_FIRST = 4e5, WORK_TREE = 2e7, WORK_POLYTOPE = 1.5e8; /* multiplications, times the effort */
+static const double WORK_FIRST = 4e6, WORK_TREE = 2e7, WORK_POLYTOPE = 4e7; /* multiplications, times the effort */
 
 struct solution {
     double lower, upper;
@@ -492,35 +492,46 @@ static bcifs_status ellipsoid_try(const struct block *block, struct arena *arena
     return status;
 }
 
+static bcifs_status polytope_try(const struct block *block, const struct candidate *candidate, double work,
+                                 struct arena *arena, struct solution *solution)
+{
+    struct polytope_outcome polytope;
+    if (block->total > MOST_ELLIPSOID || candidate->count == 0)
+        return BCIFS_OK;
+    bcifs_status status = block_polytope(block, candidate, work, arena, &polytope);
+    if (status == BCIFS_OK) {
+        upper_offer(solution, polytope.upper, JOINT_POLYTOPE, polytope.vertices);
+        solution->exact = polytope.strict;
+    }
+    return status;
+}
+
 /* From cheap to dear, until the bounds meet. The tree comes first because it finds the candidate that the polytope
- * needs. */
+ * needs; a longer tree may find a better one. */
 static bcifs_status search_solve(const struct block *block, double effort, struct arena *arena,
                                  struct solution *solution)
 {
     struct candidate candidate = {0};
     struct block ellipsoid;
-    struct polytope_outcome polytope = {.upper = INFINITY};
     bcifs_status status = tree_try(block, WORK_FIRST * effort, arena, &candidate, solution);
     if (status == BCIFS_OK)
         status = candidate_certify(block, &candidate, arena, solution, NULL);
     if (status || is_closed(solution, TOLERANCE_EXACT))
         return status;
-    double by_tree = solution->upper;
+    double by_tree = solution->upper, before = candidate.radius;
     status = ellipsoid_try(block, arena, &ellipsoid, solution);
     if (status || is_closed(solution, TOLERANCE_EXACT))
         return status;
-    if (block->total <= MOST_ELLIPSOID && candidate.count > 0)
-        status = block_polytope(block, &candidate, WORK_POLYTOPE * effort, arena, &polytope);
-    if (status)
+    status = polytope_try(block, &candidate, WORK_POLYTOPE * effort, arena, solution);
+    if (status || is_closed(solution, TOLERANCE_JOINT))
         return status;
-    upper_offer(solution, polytope.upper, JOINT_POLYTOPE, polytope.vertices);
-    solution->exact = polytope.strict;
-    if (is_closed(solution, TOLERANCE_JOINT))
-        return BCIFS_OK;
-    /* The longer search, in the basis that served better so far; it may find a better candidate. */
     bool rounder = solution->method == JOINT_ELLIPSOID && solution->upper < by_tree;
     status = tree_try(rounder ? &ellipsoid : block, WORK_TREE * effort, arena, &candidate, solution);
-    return status ? status : candidate_certify(block, &candidate, arena, solution, NULL);
+    if (status == BCIFS_OK)
+        status = candidate_certify(block, &candidate, arena, solution, NULL);
+    if (status || !(candidate.radius > before))
+        return status;
+    return polytope_try(block, &candidate, WORK_POLYTOPE * effort, arena, solution);
 }
 
 static bcifs_status block_solve(const struct block *block, double effort, struct arena *arena,

@@ -44,18 +44,30 @@ static void path_collect(struct search *search, size_t word)
         search->path[--k] = search->words[i].edge;
 }
 
-/* Whether the path is strictly smaller than its rotations (a Lyndon word): each cycle is looked at once, and no
- * power of a shorter one. */
-static bool path_is_first(const size_t *path, size_t length)
+/* Whether two closed paths are rotations of each other. */
+static bool is_rotation(const size_t *a, const size_t *b, size_t length)
 {
-    for (size_t shift = 1; shift < length; shift++) {
+    for (size_t shift = 0; shift < length; shift++) {
         size_t k = 0;
-        while (k < length && path[k] == path[(k + shift) % length])
+        while (k < length && a[k] == b[(k + shift) % length])
             k++;
-        if (k == length || path[k] > path[(k + shift) % length])
-            return false;
+        if (k == length)
+            return true;
     }
-    return true;
+    return false;
+}
+
+/* Whether the path is a shorter one several times. */
+static bool is_power(const size_t *path, size_t length)
+{
+    for (size_t period = 1; 2 * period <= length; period++) {
+        size_t k = period;
+        while (k < length && path[k] == path[k - period])
+            k++;
+        if (k == length && length % period == 0)
+            return true;
+    }
+    return false;
 }
 
 /* Keeps a closed path whose radius is better than the candidate's, or as good. */
@@ -67,7 +79,7 @@ static bcifs_status candidate_offer(struct search *search, double radius)
     bool better = radius > candidate->radius * (1 + TOLERANCE_EXACT); /* a longer one must not win by rounding */
     for (size_t i = 0; i < candidate->count && !better; i++)
         if (candidate->lengths[i] == search->length &&
-            memcmp(candidate->edges[i], search->path, search->length * sizeof *search->path) == 0)
+            is_rotation(candidate->edges[i], search->path, search->length))
             return BCIFS_OK;
     if (better) {
         candidate->count = 0;
@@ -83,7 +95,8 @@ static bcifs_status candidate_offer(struct search *search, double radius)
     return BCIFS_OK;
 }
 
-/* A closed path may be a better candidate. Its norm bounds its radius, which saves most eigenvalues. */
+/* A closed path may be a better candidate. Its norm bounds its radius, which saves most eigenvalues. All rotations
+ * are looked at, because some of them begin with products that are too small to be kept. */
 static bcifs_status cycle_try(struct search *search, const struct word *word, size_t index)
 {
     size_t size = search->block->dimensions[word->start];
@@ -91,7 +104,7 @@ static bcifs_status cycle_try(struct search *search, const struct word *word, si
     if (word->start != word->end || pow(word->norm, exponent) < search->candidate->radius * (1 - TOLERANCE_EXACT))
         return BCIFS_OK;
     path_collect(search, index);
-    if (!path_is_first(search->path, search->length))
+    if (is_power(search->path, search->length))
         return BCIFS_OK;
     search->work += 25.0 * (double)(size * size * size);
     memcpy(search->workspace, word->matrix, size * size * sizeof *search->workspace);

@@ -63,9 +63,9 @@ bool rational_make(int64_t numerator, int64_t denominator, struct rational *resu
     return true;
 }
 
-/* With g = gcd(b, d): a/b + c/d = (a (d/g) + c (b/g)) / (b (d/g)). The sum and g may still have a common divisor, which
- * is taken out before the denominator is multiplied (Knuth, The Art of Computer Programming 2, 4.5.1), so that the
- * denominator overflows only when the result's does. */
+/* With g = gcd(b, d): a/b + c/d = (a (d/g) + c (b/g)) / (b (d/g)). The sum and g may still have a common
+ * divisor, which is taken out before the denominator is multiplied (Knuth, The Art of Computer Programming
+ * 2, 4.5.1), so that the denominator overflows only when the result's does. */
 bool rational_add(struct rational a, struct rational b, struct rational *result)
 {
     int64_t common = (int64_t)greatest_divisor((uint64_t)a.denominator, (uint64_t)b.denominator);
@@ -181,9 +181,9 @@ static bool reconstruct_decimal(uint64_t residue, double real, struct rational *
     return false;
 }
 
-/* The remainders r_i = s_i p + t_i residue of Euclid's algorithm satisfy r_i/t_i = residue in the field, and every n/d
- * with |n| d < p/2 is among them (Wang, 1981; von zur Gathen and Gerhard, Modern Computer Algebra, 5.10). Which one
- * is meant, the double decides. */
+/* The remainders r_i = s_i p + t_i residue of Euclid's algorithm satisfy r_i/t_i = residue in the field, and
+ * every n/d with |n| d < p/2 is among them (Wang, 1981; von zur Gathen and Gerhard, Modern Computer
+ * Algebra, 5.10). Which one is meant, the double decides. */
 bool rational_reconstruct(uint64_t residue, double real, struct rational *result)
 {
     uint64_t r0 = FIELD_PRIME, r1 = residue, t0 = 0, t1 = 1;

@@ -2,9 +2,8 @@
 #include "automaton/complete.h"
 #include "output/json_text.h"
 
-static const char *const kind_names[] = {[BCIFS_BARYCENTRIC] = "barycentric",
-                                         [BCIFS_INCIDENCE] = "incidence",
-                                         [BCIFS_ADJACENCY] = "adjacency"};
+static const char *const kind_names[] = {
+    [BCIFS_BARYCENTRIC] = "barycentric", [BCIFS_INCIDENCE] = "incidence", [BCIFS_ADJACENCY] = "adjacency"};
 
 /* ---- JSON ---------------------------------------------------------------------------------------------- */
 
@@ -38,7 +37,8 @@ char *bcifs_complete_json(const bcifs_complete *complete)
     text_format(&text, "{\"unknowns\": %zu,\n \"equations\": %zu,\n", bcifs_complete_unknowns(complete),
                 bcifs_complete_equations(complete));
     if (complete->consistent)
-        text_format(&text, " \"rank\": %zu,\n \"degrees_of_freedom\": %zu,\n", complete->rank, complete->freedom);
+        text_format(&text, " \"rank\": %zu,\n \"degrees_of_freedom\": %zu,\n", complete->rank,
+                    complete->freedom);
     else
         text_append(&text, " \"rank\": null,\n \"degrees_of_freedom\": null,\n");
     text_append(&text, " \"parameters\": ");
@@ -71,7 +71,8 @@ char *bcifs_complete_text(const bcifs_complete *complete)
         text_format(&text, "%s: these equations contradict each other, they come to %s:\n",
                     bcifs_automaton_name(complete->automaton), complete->contradiction);
     else if (complete->conflict_count > 0)
-        text_format(&text, "%s: the equations cannot be satisfied:\n", bcifs_automaton_name(complete->automaton));
+        text_format(&text, "%s: the equations cannot be satisfied:\n",
+                    bcifs_automaton_name(complete->automaton));
     for (size_t i = 0; i < complete->conflict_count; i++) {
         const bcifs_conflict *conflict = &complete->conflicts[i];
         text_format(&text, "  %s: %s, ", conflict->state, conflict->equation);

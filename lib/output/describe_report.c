@@ -34,11 +34,13 @@ static void json_values(struct text *text, const struct value *values, size_t co
     text_append(text, "]");
 }
 
-/* The names of an argument as the file writes them; a product has those of its factors one after the other. */
+/* The names of an argument as the file writes them; a product has those of its factors one after the other.
+ */
 static const char *argument_name(const struct definition *definition, size_t index)
 {
-    return definition->syntax && index < definition->syntax->argument_count ? definition->syntax->arguments[index]
-                                                                            : NULL;
+    return definition->syntax && index < definition->syntax->argument_count
+               ? definition->syntax->arguments[index]
+               : NULL;
 }
 
 static void json_head(struct text *text, const bcifs_description *description, const struct described *told)
@@ -146,7 +148,8 @@ static void json_told(struct text *text, const bcifs_description *description, c
     text_append(text, "}");
 }
 
-static void json_kind(struct text *text, const bcifs_description *description, const char *key, enum cell_kind kind)
+static void json_kind(struct text *text, const bcifs_description *description, const char *key,
+                      enum cell_kind kind)
 {
     bool any = false;
     text_append(text, ",\n ");
@@ -200,9 +203,10 @@ static void append_entry(struct text *text, const struct shown *shown, size_t in
     if (shown->values && shown->values[index].exact)
         value_write(text, shown->values[index]);
     else
-        text_append_bytes(text, digits,
-                          decimal_print_digits(digits, shown->values ? shown->values[index].real : shown->reals[index],
-                                               DIGITS));
+        text_append_bytes(
+            text, digits,
+            decimal_print_digits(digits, shown->values ? shown->values[index].real : shown->reals[index],
+                                 DIGITS));
 }
 
 static size_t entry_width(const struct shown *shown, size_t index)

@@ -8,7 +8,8 @@
 
 /* ---- Labels -------------------------------------------------------------------------------------------- */
 
-static bcifs_status text_keep(struct graph *graph, struct text *text, struct report *report, const char **kept)
+static bcifs_status text_keep(struct graph *graph, struct text *text, struct report *report,
+                              const char **kept)
 {
     *kept = text->failed ? NULL : arena_text(&graph->arena, text->data, text->length);
     text_free(text);
@@ -52,8 +53,8 @@ static void range_append(struct text *text, size_t first, size_t last)
         text_format(text, last > first + 1 ? "…T%zu" : ", T%zu", last);
 }
 
-static bcifs_status arrow_add(struct graph *graph, size_t from, size_t to, bool is_boundary, struct text *label,
-                              struct report *report)
+static bcifs_status arrow_add(struct graph *graph, size_t from, size_t to, bool is_boundary,
+                              struct text *label, struct report *report)
 {
     struct graph_arrow arrow = {from, to, is_boundary, NULL};
     bcifs_status status = text_keep(graph, label, report, &arrow.label);
@@ -141,8 +142,8 @@ static bcifs_status graph_make(struct graph *graph, const bcifs_automaton *autom
     return status;
 }
 
-bcifs_status bcifs_write_graph(const bcifs_automaton *automaton, const char *path, const bcifs_write_options *options,
-                               bcifs_error *error)
+bcifs_status bcifs_write_graph(const bcifs_automaton *automaton, const char *path,
+                               const bcifs_write_options *options, bcifs_error *error)
 {
     struct report report = report_new(NULL);
     struct graph graph = {0};
@@ -152,7 +153,8 @@ bcifs_status bcifs_write_graph(const bcifs_automaton *automaton, const char *pat
     bool dot = strcmp(format, "dot") == 0;
     bcifs_status status = BCIFS_OK;
     if (!dot && strcmp(format, "svg") != 0)
-        status = report_failure(&report, BCIFS_INPUT, NULL, "an automaton is drawn as dot or svg, not '%s'", format);
+        status = report_failure(&report, BCIFS_INPUT, NULL, "an automaton is drawn as dot or svg, not '%s'",
+                                format);
     if (status == BCIFS_OK)
         status = graph_make(&graph, automaton, &report);
     if (status == BCIFS_OK)

@@ -1,4 +1,5 @@
-/* Graph: an automaton as the slides of [SI] draw it: a node for every state, arrows for maps and for boundaries. */
+/* Graph: an automaton as the slides of [SI] draw it: a node for every state, arrows for maps and for
+ * boundaries. */
 #ifndef OUTPUT_GRAPH_H
 #define OUTPUT_GRAPH_H
 

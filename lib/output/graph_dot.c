@@ -13,10 +13,13 @@ static void quoted_write(struct file *file, const char *text)
     file_text(file, "\"");
 }
 
-static bcifs_status node_write(const struct graph_node *node, size_t index, struct file *file, struct report *report)
+static bcifs_status node_write(const struct graph_node *node, size_t index, struct file *file,
+                               struct report *report)
 {
-    static const char *const shapes[] = {
-        [CELL_VERTEX] = "ellipse", [CELL_EDGE] = "box, style=rounded", [CELL_FACE] = "box", [CELL_CELL] = "box"};
+    static const char *const shapes[] = {[CELL_VERTEX] = "ellipse",
+                                         [CELL_EDGE] = "box, style=rounded",
+                                         [CELL_FACE] = "box",
+                                         [CELL_CELL] = "box"};
     struct text label = {0};
     text_append(&label, node->name);
     text_append(&label, ": ");

@@ -1,8 +1,8 @@
 /* The automaton as a picture: faces and cells above, edges below them, vertices at the bottom.
  *
- * Arrows run along a grid. An arrow leaves its state through a port as wide as its label, so labels cannot meet, and
- * has a track of its own where it runs sideways. Ports below a state lie on multiples of GRID, ports above one half a
- * step beside them, so that no two arrows share a vertical line. */
+ * Arrows run along a grid. An arrow leaves its state through a port as wide as its label, so labels cannot
+ * meet, and has a track of its own where it runs sideways. Ports below a state lie on multiples of GRID,
+ * ports above one half a step beside them, so that no two arrows share a vertical line. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,16 +11,16 @@
 #include "output/xml.h"
 
 enum {
-    GRID = 14,        /* between ports */
-    TRACK = 14,       /* between tracks */
-    BOX = 46,         /* height of a state */
-    LABEL = 24,       /* height of a row of labels */
-    GAP = 3 * GRID,   /* between states */
+    GRID = 14,      /* between ports */
+    TRACK = 14,     /* between tracks */
+    BOX = 46,       /* height of a state */
+    LABEL = 24,     /* height of a row of labels */
+    GAP = 3 * GRID, /* between states */
     MARGIN = 2 * GRID,
-    HEAD = 48,        /* for the title */
-    FOOT = 34,        /* for the legend */
-    CHARACTER = 8,    /* width of a character of 13 pixels in a monospaced face, rounded up */
-    RADIUS = 6,       /* of corners */
+    HEAD = 48,     /* for the title */
+    FOOT = 34,     /* for the legend */
+    CHARACTER = 8, /* width of a character of 13 pixels in a monospaced face, rounded up */
+    RADIUS = 6,    /* of corners */
     LAYERS = 3,
     MOST_ARROWS = 4096
 };
@@ -106,7 +106,7 @@ static bcifs_status ports_make(struct layout *layout, struct report *report)
         for (int side = 0; side < 2; side++) {
             size_t count = 0;
             for (size_t a = 0; a < graph->arrow_count; a++)
-                count += (graph->arrows[a].from == i) + (graph->arrows[a].to == i);
+                count += (size_t)(graph->arrows[a].from == i) + (size_t)(graph->arrows[a].to == i);
             layout->boxes[i].ports[side] = arena_new(&layout->arena, count, sizeof(struct port));
             if (!layout->boxes[i].ports[side])
                 return report_memory(report);
@@ -118,7 +118,8 @@ static bcifs_status ports_make(struct layout *layout, struct report *report)
     }
     for (size_t i = 0; i < graph->node_count; i++)
         for (int side = 0; side < 2; side++)
-            qsort(layout->boxes[i].ports[side], layout->boxes[i].counts[side], sizeof(struct port), ports_compare);
+            qsort(layout->boxes[i].ports[side], layout->boxes[i].counts[side], sizeof(struct port),
+                  ports_compare);
     return BCIFS_OK;
 }
 
@@ -154,7 +155,8 @@ static void boxes_measure(struct layout *layout)
 static void ports_place(struct layout *layout, struct box *box)
 {
     for (int side = 0; side < 2; side++) {
-        int x = box->x + (box->width - ports_width(layout, box, side)) / 2 / GRID * GRID + (side ? 0 : GRID / 2);
+        int x =
+            box->x + (box->width - ports_width(layout, box, side)) / 2 / GRID * GRID + (side ? 0 : GRID / 2);
         for (size_t i = 0; i < box->counts[side]; i++) {
             struct port *port = &box->ports[side][i];
             struct route *route = &layout->routes[port->arrow];
@@ -242,11 +244,13 @@ static bcifs_status tracks_make(struct layout *layout, int layer, bool boundarie
         if (arrow->is_boundary != boundaries)
             continue;
         if (from == layer)
-            stretch_add(stretches, &count, route->x0, route->lane ? route->lane : route->x1, &route->track[0]);
+            stretch_add(stretches, &count, route->x0, route->lane ? route->lane : route->x1,
+                        &route->track[0]);
         else if (route->lane && from + 1 == layer)
             stretch_add(stretches, &count, route->lane, route->x1, &route->track[1]);
     }
-    *(boundaries ? &layout->boundary_tracks[layer] : &layout->map_tracks[layer]) = tracks_choose(stretches, count);
+    *(boundaries ? &layout->boundary_tracks[layer] : &layout->map_tracks[layer]) =
+        tracks_choose(stretches, count);
     return BCIFS_OK;
 }
 
@@ -288,9 +292,10 @@ static bcifs_status layout_make(struct layout *layout, struct report *report)
 {
     const struct graph *graph = layout->graph;
     if (graph->arrow_count > MOST_ARROWS)
-        return report_failure(report, BCIFS_INPUT, NULL,
-                              "the automaton has %zu arrows; a picture of more than %d is no use, .dot has no limit",
-                              graph->arrow_count, MOST_ARROWS);
+        return report_failure(
+            report, BCIFS_INPUT, NULL,
+            "the automaton has %zu arrows; a picture of more than %d is no use, .dot has no limit",
+            graph->arrow_count, MOST_ARROWS);
     layout->boxes = arena_new(&layout->arena, graph->node_count, sizeof *layout->boxes);
     layout->routes = arena_new(&layout->arena, graph->arrow_count, sizeof *layout->routes);
     if (!layout->boxes || !layout->routes)
@@ -357,8 +362,8 @@ static void way_write(struct file *file, const char *class, const int (*corners)
     number_write(file, "\" d=\"M", corners[0][0]);
     number_write(file, " ", corners[0][1]);
     for (size_t i = 1; i + 1 < count; i++)
-        corner_write(file, corners[i - 1][0], corners[i - 1][1], corners[i][0], corners[i][1], corners[i + 1][0],
-                     corners[i + 1][1]);
+        corner_write(file, corners[i - 1][0], corners[i - 1][1], corners[i][0], corners[i][1],
+                     corners[i + 1][0], corners[i + 1][1]);
     number_write(file, "L", last[0]);
     number_write(file, " ", last[1] - 8);
     number_write(file, "\"/>\n<path class=\"head\" d=\"M", last[0]);
@@ -393,12 +398,13 @@ static void boundary_write(const struct layout *layout, size_t index, struct fil
         return;
     }
     int across = layout->tops[from->layer + 1] + BOX + LABEL + route->track[1] * TRACK;
-    const int corners[][2] = {{route->x0, below},   {route->x0, y},      {route->lane, y},
+    const int corners[][2] = {{route->x0, below},    {route->x0, y},      {route->lane, y},
                               {route->lane, across}, {route->x1, across}, {route->x1, to->y}};
     way_write(file, "boundary", corners, 6);
 }
 
-static bcifs_status box_write(const struct layout *layout, size_t index, struct file *file, struct report *report)
+static bcifs_status box_write(const struct layout *layout, size_t index, struct file *file,
+                              struct report *report)
 {
     static const char *const classes[] = {
         [CELL_VERTEX] = "vertex", [CELL_EDGE] = "edge", [CELL_FACE] = "face", [CELL_CELL] = "face"};
@@ -437,7 +443,8 @@ static void head_write(const struct layout *layout, const char *command, struct 
     file_text(file, "</title>\n<desc>");
     xml_write(file, command ? command : "");
     file_text(file, "</desc>\n<style>\n"
-                    "text { font-family: 'DejaVu Sans Mono', Menlo, Consolas, monospace; font-size: 13px; fill: #1c1c1c }\n"
+                    "text { font-family: 'DejaVu Sans Mono', Menlo, Consolas, monospace; font-size: 13px; "
+                    "fill: #1c1c1c }\n"
                     ".name { font-size: 15px; text-anchor: middle; font-weight: bold }\n"
                     ".points { font-size: 12px; text-anchor: middle; fill: #555 }\n"
                     ".title { font-size: 16px }\n"

@@ -1,7 +1,7 @@
 /* JSON text: the pieces that every JSON report is made of, appended to a text.
  *
- * Numbers are written in the shortest form that reads back exactly; what JSON cannot hold (an infinite bound) is
- * null. Commas and brackets between pieces are the report's own. */
+ * Numbers are written in the shortest form that reads back exactly; what JSON cannot hold (an infinite bound)
+ * is null. Commas and brackets between pieces are the report's own. */
 #ifndef OUTPUT_JSON_TEXT_H
 #define OUTPUT_JSON_TEXT_H
 

@@ -1,5 +1,5 @@
-/* MatrixMarket: refinement matrices as sparse text, coordinate format (Boisvert, Pozo and Remington, The Matrix Market
- * exchange formats, 1996): a header, comments, the sizes, then "row column value" from 1.
+/* MatrixMarket: refinement matrices as sparse text, coordinate format (Boisvert, Pozo and Remington, The
+ * Matrix Market exchange formats, 1996): a header, comments, the sizes, then "row column value" from 1.
  *
  * The sizes say how many entries follow, so the columns are run over twice; they are never held. */
 #include "automaton/automaton.h"
@@ -71,7 +71,8 @@ static bcifs_status pieces_write(struct market *market)
     const bcifs_figure *figure = market->figure;
     bcifs_status status = BCIFS_OK;
     market->columns = market->entries = 0;
-    for (size_t i = 0; i < figure->piece_count && figure->shape == FIGURE_ATTRACTOR && status == BCIFS_OK; i++)
+    for (size_t i = 0; i < figure->piece_count && figure->shape == FIGURE_ATTRACTOR && status == BCIFS_OK;
+         i++)
         status = piece_write(market, &figure->pieces[i], true);
     for (size_t c = 0; c < figure->chain_count && status == BCIFS_OK; c++) {
         const struct chain *chain = &figure->chains[c];
@@ -99,7 +100,9 @@ static void head_write(const struct market *market, const char *command)
     comment_write(file, bcifs_automaton_name(market->figure->automaton));
     file_text(file, market->figure->name[0] ? ", figure " : "");
     comment_write(file, market->figure->name);
-    file_text(file, "\n% rows: control points; columns: control points of the level, in order; each column sums to 1\n");
+    file_text(
+        file,
+        "\n% rows: control points; columns: control points of the level, in order; each column sums to 1\n");
     if (command) {
         file_text(file, "% ");
         comment_write(file, command);
@@ -134,9 +137,10 @@ bcifs_status bcifs_write_refinement(const bcifs_figure *figure, unsigned depth, 
     struct market market = {
         .figure = figure, .view = {.depth = depth, .show = BCIFS_CONTROL, .to = 1}, .report = &report};
     if (figure->shape == FIGURE_SURFACE)
-        report_failure(&report, BCIFS_INPUT, NULL,
-                       "'%s' is a surface; its refinement matrix is the tensor product of its curves' ([IM] 6.2)",
-                       figure->name);
+        report_failure(
+            &report, BCIFS_INPUT, NULL,
+            "'%s' is a surface; its refinement matrix is the tensor product of its curves' ([IM] 6.2)",
+            figure->name);
     else if (states_copy(&market.states, &figure->states, &arena, &report) == BCIFS_OK)
         market_write(&market, path, options ? options->command : NULL);
     arena_free(&arena);

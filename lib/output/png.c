@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "output/deflate.h"
 #include "output/format.h"
+#include "output/png.h"
 #include "output/raster.h"
 #include "output/unicode.h"
 
@@ -245,7 +246,7 @@ static bcifs_status pixels_write(const struct job *job, const struct canvas *can
     return complete ? BCIFS_OK : report_memory(job->report);
 }
 
-static bcifs_status canvas_write(const struct job *job, const struct canvas *canvas, struct file *file)
+bcifs_status png_canvas_write(const struct job *job, const struct canvas *canvas, struct file *file)
 {
     bool gray = canvas_is_gray(canvas);
     unsigned char header[13] = {0};
@@ -276,7 +277,7 @@ bcifs_status png_write(struct job *job, struct file *file)
     for (size_t i = 0; i < job->layer_count && status == BCIFS_OK; i++)
         status = layer_draw(&canvas, &picture, picture.order[i]);
     if (status == BCIFS_OK)
-        status = canvas_write(job, &canvas, file);
+        status = png_canvas_write(job, &canvas, file);
     canvas_free(&canvas);
     picture_close(&picture);
     return status;

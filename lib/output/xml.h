@@ -4,8 +4,8 @@
 
 #include "output/file.h"
 
-/* Text, or the value of an attribute in double quotes. XML has no way to hold a few characters at all; they become
- * U+FFFD. */
+/* Text, or the value of an attribute in double quotes. XML has no way to hold a few characters at all; they
+ * become U+FFFD. */
 void xml_write(struct file *file, const char *text);
 
 #endif

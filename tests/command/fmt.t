@@ -25,18 +25,19 @@ sub format_text {
 # brackets and ";" both separate rows.
 sub tokens_of {
     my ($text) = @_;
-    my (@tokens, @comments, $depth);
-    $depth = 0;
+    my (@tokens, @comments);
+    my ($depth, $parens) = (0, 0);
     $text =~ s/^\x{feff}//;
     for ($text) {
-        while (pos // 0 < length) {
+        while ((pos // 0) < length) {
             if (/\G#(.*)/gc) { push @comments, $1 =~ s/\s+$//r }
             elsif (/\G("[^"]*")/gc) { push @tokens, $1 }
-            elsif (/\G\n/gc) { push @tokens, 'ROW' if $depth > 0 }
-            elsif (/\G[ \t\r]+/gc) { push @tokens, 'SPACE' if $depth == 1 }
+            elsif (/\G\n/gc) { push @tokens, 'ROW' if $depth == 1 && !$parens }
+            elsif (/\G[ \t\r]+/gc) { push @tokens, 'SPACE' if $depth == 1 && !$parens }
             elsif (/\G\[/gc) { push @tokens, '['; $depth++ }
             elsif (/\G\]/gc) { push @tokens, ']'; $depth-- }
             elsif (/\G;/gc) { push @tokens, 'ROW' }
+            elsif (/\G([()])/gc) { push @tokens, $1; $parens += $1 eq '(' ? 1 : -1 if $depth }
             elsif (/\G(\w+|\.\.|.)/gcs) { push @tokens, $1 }
         }
     }
@@ -105,7 +106,7 @@ sub spoil {
     my ($text) = @_;
     my ($result, $depth, $parens) = ('', 0, 0);
     my $gap = sub { my @gaps = (' ', "\n", "  ", "\t", "\n\n\n", " # aside\n", "\n# own line\n"); $gaps[ rand @gaps ] };
-    while ($text =~ /\G(?:(\s+)|(#.*\n?)|("[^"]*")|(\w+)|(.))/gcs) {
+    while ($text =~ /\G(?:(\s+)|(#[^\n]*\n?)|("[^"]*")|(\w+)|(.))/gcs) {
         my ($space, $comment, $string, $word, $mark) = ($1, $2, $3, $4, $5);
         if (defined $space) {
             if ($depth && !$parens) { $result .= $space =~ /\n/ ? (rand() < 0.5 ? ";\n  " : " # row\n\n") : ' ' x (1 + rand 3) }
@@ -195,7 +196,7 @@ END
     is((format_text($spoiled))[0], $spoiled, 'and printed for good');
     my ($crlf) = format_text($everything =~ s/\n/\r\n/gr);
     is($crlf, $out, 'from Windows line ends');
-    my ($bom) = format_text("\xEF\xBB\xBF$everything");
+    my ($bom) = format_text("\x{feff}$everything");
     is($bom =~ s/^\xEF\xBB\xBF//r, $out, 'from a file with a byte order mark');
 }
 

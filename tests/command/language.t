@@ -346,7 +346,7 @@ sub random_expression {
     return [ $paren->($a, 1) . '+' . $paren->($b, 2), $a->[1] + $b->[1], 1 ] if $kind == 0;
     return [ $paren->($a, 1) . '-' . $paren->($b, 2), $a->[1] - $b->[1], 1 ] if $kind == 1;
     return [ $paren->($a, 2) . '*' . $paren->($b, 3), $a->[1] * $b->[1], 2 ] if $kind == 2;
-    return [ $paren->($a, 2) . '/' . $paren->($b, 3), $a->[1] / $b->[1], 2 ] if $kind == 3 && $b->[1] != 0;
+    return [ $paren->($a, 2) . '/' . $paren->($b, 3), $a->[1] / $b->[1], 2 ] if $kind == 3 && abs $b->[1] > 1e-6;
     return [ '-' . $paren->($a, 3), -$a->[1], 3 ] if $kind == 4;
     return [ "max($a->[0],$b->[0])", $a->[1] > $b->[1] ? $a->[1] : $b->[1], 9 ] if $kind == 5;
     return [ "(" . join(' ', split /(?<=[-+*\/,])(?=\()/, $a->[0]) . ")", $a->[1], 9 ] if $kind == 6;

@@ -171,18 +171,14 @@ static uint64_t residue_power(uint64_t a, int exponent)
 /* Every operand stands in parentheses, so the text means what is computed here without rules of precedence. */
 static void formula_make(struct formula *formula, int depth)
 {
-    static struct formula pool[8][2]; /* per depth: the operands under way */
-    struct formula *a = &pool[depth][0], *b = &pool[depth][1];
+    struct formula left, right, *a = &left, *b = &right;
     uint64_t kind = random_bits(&seed) % 8;
     if (depth == 0 || kind == 0) {
         leaf_make(formula);
         return;
     }
-    struct formula left, right;
-    formula_make(&left, depth - 1);
-    formula_make(&right, depth - 1);
-    *a = left;
-    *b = right;
+    formula_make(a, depth - 1);
+    formula_make(b, depth - 1);
     formula->pole = a->pole || b->pole;
     switch (kind) {
     case 1:

@@ -18,14 +18,16 @@ static struct rational any_fraction(int64_t bound)
 {
     struct rational a;
     int64_t denominator = any_integer(bound);
-    return rational_make(any_integer(bound), denominator ? denominator : 1, &a) ? a : rational_from_integer(0);
+    return rational_make(any_integer(bound), denominator ? denominator : 1, &a) ? a
+                                                                                : rational_from_integer(0);
 }
 
 static bool is_reduced(struct rational a)
 {
     if (a.denominator < 1)
         return false;
-    uint64_t x = a.numerator < 0 ? 0 - (uint64_t)a.numerator : (uint64_t)a.numerator, y = (uint64_t)a.denominator;
+    uint64_t x = a.numerator < 0 ? 0 - (uint64_t)a.numerator : (uint64_t)a.numerator,
+             y = (uint64_t)a.denominator;
     while (y != 0) {
         uint64_t rest = x % y;
         x = y;
@@ -41,19 +43,22 @@ static void test_arithmetic(void)
     for (long i = 0; i < test_effort(20000); i++) {
         struct rational a = any_fraction(1 << 14), b = any_fraction(1 << 14), r;
         int64_t both = a.denominator * b.denominator;
-        sums &= rational_add(a, b, &r) && r.numerator * both == (a.numerator * b.denominator +
-                                                                 b.numerator * a.denominator) * r.denominator;
+        sums &=
+            rational_add(a, b, &r) &&
+            r.numerator * both == (a.numerator * b.denominator + b.numerator * a.denominator) * r.denominator;
         reduced &= is_reduced(r);
-        differences &= rational_subtract(a, b, &r) &&
-                       r.numerator * both ==
-                           (a.numerator * b.denominator - b.numerator * a.denominator) * r.denominator;
-        products &= rational_multiply(a, b, &r) && r.numerator * both == a.numerator * b.numerator * r.denominator;
+        differences &=
+            rational_subtract(a, b, &r) &&
+            r.numerator * both == (a.numerator * b.denominator - b.numerator * a.denominator) * r.denominator;
+        products &=
+            rational_multiply(a, b, &r) && r.numerator * both == a.numerator * b.numerator * r.denominator;
         reduced &= is_reduced(r);
         bool divided = rational_divide(a, b, &r);
         quotients &= divided == (b.numerator != 0);
         if (divided)
-            quotients &= r.numerator * (a.denominator * b.numerator) ==
-                             a.numerator * b.denominator * r.denominator && is_reduced(r);
+            quotients &=
+                r.numerator * (a.denominator * b.numerator) == a.numerator * b.denominator * r.denominator &&
+                is_reduced(r);
     }
     ok(sums, "a/b + c/d");
     ok(differences, "a/b - c/d");
@@ -71,8 +76,9 @@ static void test_overflow(void)
     ok(rational_make(INT64_MIN, 2, &r) && r.numerator == INT64_MIN / 2, "but half of it does");
     ok(rational_make(INT64_MIN, INT64_MIN, &r) && rational_equal(r, one), "and its quotient");
     r = (struct rational){5, 7};
-    ok(!rational_add(most, one, &r) && !rational_subtract(least, one, &r) && !rational_multiply(most, most, &r) &&
-           !rational_multiply(tiny, tiny, &r) && !rational_add(tiny, (struct rational){1, 2}, &r),
+    ok(!rational_add(most, one, &r) && !rational_subtract(least, one, &r) &&
+           !rational_multiply(most, most, &r) && !rational_multiply(tiny, tiny, &r) &&
+           !rational_add(tiny, (struct rational){1, 2}, &r),
        "what does not fit is refused");
     ok(r.numerator == 5 && r.denominator == 7, "and the result left alone");
     ok(rational_multiply(most, tiny, &r) && rational_equal(r, one), "(2^63 - 1) · 1/(2^63 - 1) = 1");
@@ -119,7 +125,8 @@ static void test_reconstruction(void)
         decimals &= rational_reconstruct(rational_residue(a), rational_real(a), &r) && rational_equal(a, r);
         /* The right image with another value is no number that is meant. */
         a = any_fraction(1000);
-        impostors &= !rational_reconstruct(rational_residue(a), rational_real(a) + 1e-6, &r) || !rational_equal(a, r);
+        impostors &=
+            !rational_reconstruct(rational_residue(a), rational_real(a) + 1e-6, &r) || !rational_equal(a, r);
     }
     ok(balanced, "fractions of 29-bit numbers come back");
     ok(decimals, "decimals of 15 digits come back");
@@ -146,7 +153,8 @@ static void test_elimination(void)
        "x - 3/4 = 0, y - 1/4 = 0");
     ok(linear_system_add(&system, twice, 2) == ELIMINATION_REDUNDANT, "2x = 3/2 follows");
     ok(linear_system_add(&system, wrong, 2) == ELIMINATION_CONFLICT, "x = 1 contradicts");
-    ok(system.conflict.count == 1 && rational_equal(system.conflict.terms[0].factor, (struct rational){-1, 4}),
+    ok(system.conflict.count == 1 &&
+           rational_equal(system.conflict.terms[0].factor, (struct rational){-1, 4}),
        "by 0 = -1/4");
     linear_system_free(&system);
 }

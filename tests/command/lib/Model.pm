@@ -14,7 +14,7 @@ sub compile {
     my ($text, $model) = @_;
     my $code = '';
     for ($text) {
-        while (pos // 0 < length) {
+        while ((pos // 0) < length) {
             /\G\s+/gc and next;
             /\G(\d+\.\d+|\.\d+|\d+)/gc and $code .= "\$n->('$1')", next;
             /\G([A-Za-z_]\w*)\(/gc and $code .= "\$call->('$1', \$n, \$v, ", next;

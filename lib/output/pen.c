@@ -1,0 +1,190 @@
+#include "output/pen.h"
+
+#include <string.h>
+
+#include "output/png.h"
+#include "output/raster.h"
+#include "output/xml.h"
+
+/* One of the two is set. */
+struct pen {
+    struct file *svg;
+    struct canvas *canvas;
+};
+
+/* ---- Vectors ------------------------------------------------------------------------------------------- */
+
+static void color_write(struct file *file, struct color color)
+{
+    static const char digits[] = "0123456789abcdef";
+    const unsigned char channels[3] = {color.red, color.green, color.blue};
+    file_text(file, "#");
+    for (size_t i = 0; i < 3; i++) {
+        file_write(file, &digits[channels[i] >> 4], 1);
+        file_write(file, &digits[channels[i] & 15], 1);
+    }
+}
+
+static void line_write(struct file *file, const double *xy, size_t count, struct color color, double width)
+{
+    file_text(file, "<polyline stroke=\"");
+    color_write(file, color);
+    file_text(file, "\" stroke-width=\"");
+    file_fixed(file, width, 2);
+    file_text(file, "\" points=\"");
+    for (size_t i = 0; i < count; i++) {
+        file_text(file, i % 8 ? " " : "\n");
+        file_fixed(file, xy[2 * i], 2);
+        file_text(file, ",");
+        file_fixed(file, xy[2 * i + 1], 2);
+    }
+    file_text(file, "\"/>\n");
+}
+
+static void words_write(struct file *file, double x, double y, enum pen_anchor anchor, const char *text,
+                        struct color color)
+{
+    static const char *const anchors[] = {[PEN_LEFT] = "start", [PEN_MIDDLE] = "middle", [PEN_RIGHT] = "end"};
+    file_text(file, "<text x=\"");
+    file_fixed(file, x, 2);
+    file_text(file, "\" y=\"");
+    file_fixed(file, y, 2);
+    file_text(file, "\" text-anchor=\"");
+    file_text(file, anchors[anchor]);
+    file_text(file, "\" fill=\"");
+    color_write(file, color);
+    file_text(file, "\">");
+    xml_write(file, text);
+    file_text(file, "</text>\n");
+}
+
+/* ---- Pixels -------------------------------------------------------------------------------------------- */
+
+/* A letter as strokes between points of a grid, x 0…4 and y 0 (base line) … 6, each as two digits; a blank
+ * lifts the pen. */
+static const struct {
+    char letter;
+    const char *strokes;
+} LETTERS[] = {
+    {'0', "01 05 16 36 45 41 30 10 01"},
+    {'1', "15 26 20"},
+    {'2', "05 16 36 45 44 00 40"},
+    {'3', "05 16 36 45 44 33 42 41 30 10 01|13 33"},
+    {'4', "30 36 02 42"},
+    {'5', "46 06 03 34 43 41 30 10 01"},
+    {'6', "45 36 16 05 01 10 30 41 42 33 13 02"},
+    {'7', "06 46 10"},
+    {'8', "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33"},
+    {'9', "01 10 30 41 45 36 16 05 04 13 33 44"},
+    {'h', "00 06|03 14 34 43 40"},
+    {'t', "16 11 20 30|04 34"},
+    {'.', "20 20"},
+    {'-', "03 43"},
+};
+
+static const char *letter_strokes(char letter)
+{
+    for (size_t i = 0; i < sizeof LETTERS / sizeof *LETTERS; i++)
+        if (LETTERS[i].letter == letter)
+            return LETTERS[i].strokes;
+    return "";
+}
+
+static void letter_cover(struct canvas *canvas, const char *strokes, double x, double y)
+{
+    const double unit = 1.5;
+    double last[2] = {0, 0};
+    bool down = false;
+    while (strokes[0] && strokes[1]) {
+        double next[2] = {x + unit * (strokes[0] - '0'), y - unit * (strokes[1] - '0')};
+        if (down)
+            canvas_segment(canvas, last[0], last[1], next[0], next[1], 1.2);
+        memcpy(last, next, sizeof last);
+        down = strokes[2] == ' ';
+        strokes += strokes[2] ? 3 : 2;
+    }
+}
+
+static void words_cover(struct canvas *canvas, double x, double y, enum pen_anchor anchor, const char *text)
+{
+    double width = PEN_CHARACTER * (double)strlen(text) - 3;
+    x -= anchor == PEN_LEFT ? 0 : anchor == PEN_MIDDLE ? width / 2 : width;
+    for (; *text; text++, x += PEN_CHARACTER)
+        letter_cover(canvas, letter_strokes(*text), x, y);
+}
+
+/* ---- Both ---------------------------------------------------------------------------------------------- */
+
+void pen_line(struct pen *pen, const double *xy, size_t count, struct color color, double width)
+{
+    if (pen->svg) {
+        line_write(pen->svg, xy, count, color, width);
+        return;
+    }
+    for (size_t i = 0; i + 1 < count; i++)
+        canvas_segment(pen->canvas, xy[2 * i], xy[2 * i + 1], xy[2 * i + 2], xy[2 * i + 3], width);
+    canvas_paint(pen->canvas, color, 1);
+}
+
+void pen_words(struct pen *pen, double x, double y, enum pen_anchor anchor, const char *text,
+               struct color color)
+{
+    if (pen->svg) {
+        words_write(pen->svg, x, y, anchor, text, color);
+        return;
+    }
+    words_cover(pen->canvas, x, y, anchor, text);
+    canvas_paint(pen->canvas, color, 1);
+}
+
+static void head_write(const struct job *job, unsigned width, unsigned height, struct file *file)
+{
+    file_text(file, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+                    "xmlns:bcifs=\"urn:bcifs\" width=\"");
+    file_integer(file, width);
+    file_text(file, "\" height=\"");
+    file_integer(file, height);
+    file_text(file, "\" viewBox=\"0 0 ");
+    file_integer(file, width);
+    file_text(file, " ");
+    file_integer(file, height);
+    file_text(file, "\">\n<title>");
+    xml_write(file, job->title[0] ? job->title : job->automaton);
+    file_text(file, job->figure[0] ? ", " : "");
+    xml_write(file, job->figure);
+    file_text(file, "</title>\n<metadata>\n<bcifs:software>bcifs " BCIFS_VERSION "</bcifs:software>\n");
+    if (job->command) {
+        file_text(file, "<bcifs:command>");
+        xml_write(file, job->command);
+        file_text(file, "</bcifs:command>\n");
+    }
+    file_text(file, "</metadata>\n<rect width=\"");
+    file_integer(file, width);
+    file_text(file, "\" height=\"");
+    file_integer(file, height);
+    file_text(file, "\" fill=\"#fff\"/>\n<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+                    "font-family=\"'DejaVu Sans Mono', Menlo, Consolas, monospace\" font-size=\"13\">\n");
+}
+
+bcifs_status pen_write_svg(const struct job *job, unsigned width, unsigned height, pen_drawing *draw,
+                           const void *context, struct file *file)
+{
+    struct pen pen = {.svg = file};
+    head_write(job, width, height, file);
+    draw(&pen, context);
+    file_text(file, "</g>\n</svg>\n");
+    return BCIFS_OK;
+}
+
+bcifs_status pen_write_png(const struct job *job, unsigned width, unsigned height, pen_drawing *draw,
+                           const void *context, struct file *file)
+{
+    struct canvas canvas;
+    struct pen pen = {.canvas = &canvas};
+    if (!canvas_new(&canvas, width, height))
+        return report_memory(job->report);
+    draw(&pen, context);
+    bcifs_status status = png_canvas_write(job, &canvas, file);
+    canvas_free(&canvas);
+    return status;
+}

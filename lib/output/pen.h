@@ -1,0 +1,32 @@
+/* Pen: what a diagram needs of a picture: lines and a few words, as vectors or as pixels. */
+#ifndef OUTPUT_PEN_H
+#define OUTPUT_PEN_H
+
+#include "output/file.h"
+#include "output/job.h"
+#include "output/picture.h"
+
+struct pen;
+
+/* How a word lies at its place. */
+enum pen_anchor { PEN_LEFT, PEN_MIDDLE, PEN_RIGHT };
+
+enum { PEN_CHARACTER = 9, PEN_HEIGHT = 14 /* pixels that a character takes, with what stands around it */ };
+
+/* xy: count × 2, pixels from the upper left corner. */
+void pen_line(struct pen *pen, const double *xy, size_t count, struct color color, double width);
+/* `x`, `y` is the left, middle or right of the base line. Digits, "h", "t", "." and "-" only, which pixels
+ * know. */
+void pen_words(struct pen *pen, double x, double y, enum pen_anchor anchor, const char *text,
+               struct color color);
+
+/* Draws a diagram. */
+typedef void pen_drawing(struct pen *pen, const void *context);
+
+/* The diagram as a file of width × height pixels; the job gives title, command and sources. */
+bcifs_status pen_write_svg(const struct job *job, unsigned width, unsigned height, pen_drawing *draw,
+                           const void *context, struct file *file);
+bcifs_status pen_write_png(const struct job *job, unsigned width, unsigned height, pen_drawing *draw,
+                           const void *context, struct file *file);
+
+#endif
