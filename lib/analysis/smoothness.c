@@ -168,7 +168,7 @@ static bcifs_status derivative_find(const struct inquiry *inquiry, const struct 
                                     struct value **derivative)
 {
     size_t unknowns = jets->total + 1, row = 0, free;
-    size_t rows = jets->total + jets->count * (size_t)(inquiry->order + 1);
+    size_t rows = jets->total + jets->count * (size_t)(l + 1);
     struct value *equations = zeros(inquiry->arena, rows * unknowns), *solution = zeros(inquiry->arena, unknowns);
     if (!equations || !solution)
         return BCIFS_MEMORY;
@@ -183,7 +183,7 @@ static bcifs_status derivative_find(const struct inquiry *inquiry, const struct 
                     value_multiply(scale, map->values[i * map->columns + j]);
             add_to(&equations[row * unknowns + jets->base[x] + i], value_from_integer(-1));
         }
-        for (int j = 0; j <= inquiry->order; j++, row++) {
+        for (int j = 0; j <= l; j++, row++) {
             for (size_t i = 0; i < state->points; i++)
                 equations[row * unknowns + jets->base[x] + i] = jets->q[j][jets->base[x] + i];
             struct value moment = end ? binomial(j, l) : value_from_integer(j == l);
@@ -238,7 +238,7 @@ static bcifs_status joints_examine(struct inquiry *inquiry, int most)
     jets.total = jets.base[inquiry->count];
     if (jets.total > MOST_UNKNOWNS || !inquiry->complete)
         return BCIFS_OK;
-    for (int l = 0; l <= inquiry->order; l++) {
+    for (int l = 0; l <= most && l <= inquiry->order; l++) {
         status = l > 0 ? moment_find(inquiry, &jets, l) : BCIFS_OK;
         if (l == 0) {
             jets.q[0] = arena_new(inquiry->arena, jets.total, sizeof **jets.q);

@@ -176,7 +176,7 @@ static bcifs_status factor_keys(const struct setting *setting, struct arena *are
             if (status)
                 return status;
         } else {
-            factors[i] = (struct state_key){product->factors[i], key.arguments + next};
+            factors[i] = (struct state_key){product->factors[i], key.arguments ? key.arguments + next : NULL};
             next += product->factors[i]->argument_count;
         }
     }

@@ -1,9 +1,12 @@
 #include "restriction.h"
 
+#include <complex.h>
 #include <float.h>
 #include <math.h>
 
+#include "numeric/enclosure.h"
 #include "numeric/field.h"
+#include "numeric/matrix.h"
 #include "numeric/rational.h"
 #include "numeric/tolerance.h"
 
@@ -150,7 +153,7 @@ bcifs_status equations_solve(struct value *equations, size_t rows, size_t unknow
     return BCIFS_OK;
 }
 
-/* ---- The chain of spaces ------------------------------------------------------------------------------- */
+/* ---- Kernels ------------------------------------------------------------------------------------------- */
 
 /* Basis vectors of ker q, by pairs of places where q is not 0 (second > first), or one place where it is. */
 struct kernel {
@@ -261,6 +264,140 @@ static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *
     return BCIFS_OK;
 }
 
+/* ---- Numbers that are not exact ------------------------------------------------------------------------ */
+
+/* B <- B D, the columns of D being the basis of the kernel. */
+static double *basis_reduce(const double *basis, size_t points, const struct kernel *kernel, struct arena *arena)
+{
+    size_t columns = kernel_dimension(kernel);
+    double *result = arena_new(arena, points * columns, sizeof *result);
+    for (size_t k = 0; result && k < columns; k++) {
+        bool pair = k + 1 < kernel->support;
+        size_t first = kernel->places[pair || kernel->support == 0 ? k : k + 1];
+        for (size_t i = 0; i < points; i++) {
+            result[i * columns + k] = basis[i * kernel->size + first];
+            if (pair)
+                result[i * columns + k] -= kernel->ratios[k].real * basis[i * kernel->size + kernel->places[k + 1]];
+        }
+    }
+    return result;
+}
+
+/* L with L B = I + G, B rows × columns of full rank, L = (B^T B)^-1 B^T with two steps L <- (2 I - L B) L, and a bound
+ * of each |G_ij|. */
+static bcifs_status left_inverse(const double *basis, size_t rows, size_t columns, struct arena *arena,
+                                 double **inverse, double **excess)
+{
+    double complex *gram = arena_new(arena, columns * columns, sizeof *gram);
+    double complex *right = arena_new(arena, columns * rows, sizeof *right);
+    double *l = *inverse = arena_new(arena, columns * rows, sizeof *l);
+    double *g = *excess = arena_new(arena, columns * columns, sizeof *g);
+    double *next = arena_new(arena, columns * rows, sizeof *next);
+    if (!gram || !right || !l || !g || !next)
+        return BCIFS_MEMORY;
+    for (size_t i = 0; i < columns; i++) {
+        for (size_t k = 0; k < rows; k++)
+            right[i * rows + k] = basis[k * columns + i];
+        for (size_t j = 0; j < columns; j++)
+            for (size_t k = 0; k < rows; k++)
+                gram[i * columns + j] += basis[k * columns + i] * basis[k * columns + j];
+    }
+    complex_solve(gram, right, columns, rows, DBL_MIN);
+    for (size_t i = 0; i < columns * rows; i++)
+        l[i] = creal(right[i]);
+    for (int step = 0; step < 3; step++) {
+        matrix_multiply(l, basis, columns, rows, columns, g);
+        for (size_t i = 0; i < columns; i++)
+            g[i * columns + i] -= 1;
+        if (step == 2)
+            break;
+        matrix_multiply(g, l, columns, columns, rows, next);
+        for (size_t i = 0; i < columns * rows; i++)
+            l[i] -= next[i];
+    }
+    for (size_t i = 0; i < columns; i++)
+        for (size_t j = 0; j < columns; j++) {
+            double size = 1;
+            for (size_t k = 0; k < rows; k++)
+                size += fabs(l[i * rows + k] * basis[k * columns + j]);
+            g[i * columns + j] = fabs(g[i * columns + j]) + (double)(rows + 2) * DBL_EPSILON * size;
+        }
+    return BCIFS_OK;
+}
+
+/* R = L T B for T B = B' R, L B' = I: a far better answer than differences of differences, because L is small. Every
+ * entry whose error is smaller is taken. Bounds of errors go along entry by entry; what they leave unexplained of
+ * T B - B' R is added. */
+static bcifs_status map_refine(const struct restriction *restriction, struct restricted_map *map,
+                               const double *inverse, const double *excess, struct arena *arena)
+{
+    size_t rows = restriction->points[map->from], inner = restriction->points[map->to];
+    size_t size = restriction->dimensions[map->from], columns = restriction->dimensions[map->to];
+    const double *from = restriction->basis[map->from], *to = restriction->basis[map->to];
+    double *numbers = arena_new(arena, 2 * (rows + size) * columns, sizeof *numbers), unexplained = 0, reach = 0;
+    if (!numbers)
+        return BCIFS_MEMORY;
+    double *w = numbers, *off_w = w + rows * columns, *r = off_w + rows * columns, *off_r = r + size * columns;
+    double unit = (double)(inner + rows + size + 4) * DBL_EPSILON;
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < columns; j++)
+            for (size_t k = 0; k < inner; k++) {
+                const struct bounded_value *entry = &map->whole[i * inner + k];
+                w[i * columns + j] += entry->value.real * to[k * columns + j];
+                off_w[i * columns + j] += (entry->error + unit * fabs(entry->value.real)) * fabs(to[k * columns + j]);
+            }
+    for (size_t i = 0; i < size; i++)
+        for (size_t k = 0; k < rows; k++) {
+            double factor = inverse[i * rows + k];
+            reach = fmax(reach, fabs(factor));
+            for (size_t j = 0; j < columns; j++) {
+                r[i * columns + j] += factor * w[k * columns + j];
+                off_r[i * columns + j] += fabs(factor) * (off_w[k * columns + j] + unit * fabs(w[k * columns + j]));
+            }
+        }
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < columns; j++) {
+            double rest = w[i * columns + j], allowed = off_w[i * columns + j];
+            for (size_t k = 0; k < size; k++) {
+                rest -= from[i * size + k] * r[k * columns + j];
+                allowed += fabs(from[i * size + k]) * (off_r[k * columns + j] + unit * fabs(r[k * columns + j]));
+            }
+            unexplained = fmax(unexplained, fabs(rest) - allowed);
+        }
+    for (size_t i = 0; i < size; i++)
+        for (size_t j = 0; j < columns; j++) {
+            double error = off_r[i * columns + j] + (double)rows * reach * unexplained;
+            struct bounded_value *entry = &map->entries[i * columns + j];
+            for (size_t k = 0; k < size; k++)
+                error += 1.1 * excess[i * size + k] * (fabs(r[k * columns + j]) + off_r[k * columns + j]);
+            error *= 1 + unit;
+            if (!entry->value.exact && error < entry->error)
+                *entry = (struct bounded_value){value_from_real(r[i * columns + j]), error};
+        }
+    return BCIFS_OK;
+}
+
+static bcifs_status restriction_refine(struct restriction *restriction, const struct kernel *kernels,
+                                       struct arena *arena)
+{
+    double **inverse = arena_new(arena, restriction->count, sizeof *inverse);
+    double **excess = arena_new(arena, restriction->count, sizeof *excess);
+    bcifs_status status = inverse && excess ? BCIFS_OK : BCIFS_MEMORY;
+    for (size_t x = 0; x < restriction->count && status == BCIFS_OK; x++) {
+        restriction->basis[x] = basis_reduce(restriction->basis[x], restriction->points[x], &kernels[x], arena);
+        status = restriction->basis[x] ? left_inverse(restriction->basis[x], restriction->points[x],
+                                                      restriction->dimensions[x], arena, &inverse[x], &excess[x])
+                                       : BCIFS_MEMORY;
+    }
+    for (size_t e = 0; e < restriction->map_count && status == BCIFS_OK; e++) {
+        size_t from = restriction->maps[e].from;
+        status = map_refine(restriction, &restriction->maps[e], inverse[from], excess[from], arena);
+    }
+    return status;
+}
+
+/* ---- The chain of spaces ------------------------------------------------------------------------------- */
+
 bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, struct arena *arena)
 {
     struct kernel *kernels = arena_new(arena, restriction->count, sizeof *kernels);
@@ -276,6 +413,8 @@ bcifs_status restriction_reduce(struct restriction *restriction, const struct va
         status = map_reduce(map, &kernels[map->from], &kernels[map->to], arena);
     }
     restriction->dimensions = dimensions;
+    if (status == BCIFS_OK && !restriction->exact)
+        status = restriction_refine(restriction, kernels, arena);
     return status;
 }
 
@@ -336,7 +475,8 @@ bcifs_status restriction_begin(struct restriction *restriction, const struct sta
     const struct value **ones = arena_new(arena, count, sizeof *ones);
     *restriction = (struct restriction){.count = count, .states = list, .exact = true};
     restriction->dimensions = arena_new(arena, count, sizeof *restriction->dimensions);
-    if (!place || !ones || !restriction->dimensions)
+    restriction->basis = arena_new(arena, count, sizeof *restriction->basis);
+    if (!place || !ones || !restriction->dimensions || !restriction->basis)
         return BCIFS_MEMORY;
     size_t map_count = 0;
     for (size_t x = 0; x < count; x++) {
@@ -361,8 +501,8 @@ bcifs_status restriction_begin(struct restriction *restriction, const struct sta
             size_t entries = matrix->rows * matrix->columns;
             if (!place[state->children[k]])
                 continue;
-            struct restricted_map map = {x, place[state->children[k]] - 1, k, state->cell->child_count, NULL};
-            map.entries = arena_new(arena, entries, sizeof *map.entries);
+            struct restricted_map map = {x, place[state->children[k]] - 1, k, state->cell->child_count, NULL, NULL};
+            map.whole = map.entries = arena_new(arena, entries, sizeof *map.entries);
             if (!map.entries)
                 return BCIFS_MEMORY;
             for (size_t i = 0; i < entries; i++) {
@@ -373,6 +513,15 @@ bcifs_status restriction_begin(struct restriction *restriction, const struct sta
             }
             restriction->maps[restriction->map_count++] = map;
         }
+    }
+    restriction->points = restriction->dimensions;
+    for (size_t x = 0; x < count && !restriction->exact; x++) {
+        size_t points = restriction->points[x];
+        double *basis = restriction->basis[x] = arena_new(arena, points * points, sizeof *basis);
+        for (size_t i = 0; basis && i < points; i++)
+            basis[i * points + i] = 1;
+        if (!basis)
+            return BCIFS_MEMORY;
     }
     return restriction_reduce(restriction, ones, arena);
 }

@@ -23,6 +23,7 @@ struct restricted_map {
     size_t child;        /* which map of its state */
     size_t subdivisions; /* N of its state */
     struct bounded_value *entries; /* dimension(from) × dimension(to) */
+    const struct bounded_value *whole; /* the map as it is, points(from) × points(to) */
 };
 
 struct restriction {
@@ -32,6 +33,8 @@ struct restriction {
     struct restricted_map *maps;
     size_t map_count;
     bool exact; /* all entries are */
+    const size_t *points; /* of the states */
+    double **basis;       /* of the spaces, points × dimension; kept up only when `exact` is not set */
 };
 
 /* The set of `count` expanded states; maps that leave it are left out. */

@@ -214,7 +214,7 @@ static const char **string_slot(struct arguments *arguments, const char *name)
         {"--figure", &arguments->figure}, {"--state", &arguments->state},   {"--points", &arguments->points},
         {"-o", &arguments->output},       {"--format", &arguments->format}, {"--depth", &arguments->depth},
         {"--show", &arguments->show},     {"--range", &arguments->range},   {"--levels", &arguments->levels},
-        {"--as", &arguments->as}, {"--width", &arguments->width},     {"--effort", &arguments->effort}, {"--level", &arguments->level},
+        {"--as", &arguments->as}, {"--width", &arguments->width},     {"--effort", &arguments->effort}, {"--threads", &arguments->threads}, {"--level", &arguments->level},
     };
     for (size_t i = 0; i < sizeof slots / sizeof *slots; i++)
         if (strcmp(slots[i].name, name) == 0)
@@ -243,6 +243,12 @@ static int option_store(struct arguments *arguments, const char *name, const cha
         if (arguments->setting_count == MOST_SETTINGS)
             return complain("more than %d --set", MOST_SETTINGS);
         arguments->settings[arguments->setting_count++] = argument;
+        return EXIT_YES;
+    }
+    if (strcmp(name, "--over") == 0) {
+        if (arguments->axis_count == MOST_AXES)
+            return complain("more than %d --over", MOST_AXES);
+        arguments->axes[arguments->axis_count++] = argument;
         return EXIT_YES;
     }
     if (strcmp(name, "--at") == 0 || strcmp(name, "--address") == 0) {

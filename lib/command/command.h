@@ -18,14 +18,16 @@ struct option {
     const char *text;     /* one line of help */
 };
 
-enum { MOST_SETTINGS = 256, MOST_POSITIONS = 256, MOST_LAYERS = 64 };
+enum { MOST_SETTINGS = 256, MOST_POSITIONS = 256, MOST_LAYERS = 64, MOST_AXES = 2 };
 
 /* What was said on the command line. A command looks at what its options may set. */
 struct arguments {
     const char *file;
     const char *settings[MOST_SETTINGS]; /* --set */
     size_t setting_count;
-    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width, *effort, *level, *as;
+    const char *axes[MOST_AXES]; /* --over */
+    size_t axis_count;
+    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width, *effort, *threads, *level, *as;
     const char *positions[MOST_POSITIONS]; /* --at and --address, in their order */
     bool is_address[MOST_POSITIONS];
     size_t position_count;
@@ -45,7 +47,7 @@ struct command {
 };
 
 extern const struct command command_analyze, command_basis, command_check, command_complete, command_describe,
-    command_eval, command_fmt;
+    command_eval, command_fmt, command_map;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);

@@ -7,7 +7,7 @@
 
 static const struct command *const commands[] = {&command_analyze,  &command_basis,    &command_check,
                                                  &command_complete, &command_describe, &command_eval,
-                                                 &command_fmt};
+                                                 &command_fmt,      &command_map};
 
 const struct command *command_at(size_t index)
 {
@@ -29,8 +29,8 @@ static void help(FILE *out)
           "adjacency equations, and draws its curves and attractors.\n\nCommands:\n",
           out);
     for (size_t i = 0; command_at(i); i++)
-        fprintf(out, "  %-8s %s\n", command_at(i)->name, command_at(i)->summary);
-    fputs("  help     says more about a command: bcifs help eval\n\n"
+        fprintf(out, "  %-9s %s\n", command_at(i)->name, command_at(i)->summary);
+    fputs("  help      says more about a command: bcifs help eval\n\n"
           "FILE may be - for standard input. Exit status: 0 done and the answer is yes, 1 the answer\n"
           "is no, 2 bad input or usage, 3 the system failed.\n",
           out);

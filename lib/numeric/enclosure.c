@@ -8,8 +8,10 @@
 
 #include "numeric/eigen.h"
 #include "numeric/matrix.h"
+#include "numeric/tolerance.h"
 
 static const double UNIT = DBL_EPSILON / 2;
+static const double CLUSTER = 1e-3; /* share of the largest eigenvalue within which others are called close */
 static const double UNDERFLOW = 1e-290; /* more than all underflows of one product can amount to */
 
 double round_up(double x, size_t operations)
@@ -91,9 +93,46 @@ struct diagonalization {
     double complex *vector;
 };
 
-/* Column k of X: an eigenvector by inverse iteration from a start that differs with k, so that a multiple
- * eigenvalue with several eigenvectors gets independent ones. */
-static void eigenvector_find(struct diagonalization *d, const double *a, double norm, size_t k)
+static bool are_close(const struct diagonalization *d, size_t j, size_t k)
+{
+    double distance = hypot(d->real[j] - d->real[k], d->imaginary[j] - d->imaginary[k]);
+    return distance <= CLUSTER * hypot(d->real[0], d->imaginary[0]);
+}
+
+/* v <- v less its projections on the columns of X before k whose eigenvalues are close to the k-th: where eigenvectors
+ * run together (a Jordan block), the columns then span the same invariant subspace, and stay independent. */
+static void cluster_leave(struct diagonalization *d, size_t k)
+{
+    size_t n = d->size;
+    for (size_t j = 0; j < k; j++) {
+        double complex sum = 0;
+        double square = 0;
+        if (!are_close(d, j, k))
+            continue;
+        for (size_t i = 0; i < n; i++) {
+            sum += conj(d->x[i * n + j]) * d->vector[i];
+            square += creal(d->x[i * n + j] * conj(d->x[i * n + j]));
+        }
+        for (size_t i = 0; i < n; i++)
+            d->vector[i] -= sum / square * d->x[i * n + j];
+    }
+}
+
+/* In a cluster of q close eigenvalues A is nearly triangular; dividing column p by s^p divides what stands above the
+ * diagonal by s, and multiplies rounding below it: s = 10^(14/q) leaves both small. */
+static double cluster_scale(const struct diagonalization *d, size_t k)
+{
+    double before = 0, all = 0;
+    for (size_t j = 0; j < d->size; j++) {
+        before += j < k && are_close(d, j, k);
+        all += are_close(d, j, k);
+    }
+    return pow(10, -14 / all * before);
+}
+
+/* Column k of X: an eigenvector by inverse iteration from a start that differs with k, so that a multiple eigenvalue
+ * with several eigenvectors gets independent ones; with `clusters`, as above. */
+static void eigenvector_find(struct diagonalization *d, const double *a, double norm, size_t k, bool clusters)
 {
     size_t n = d->size;
     double complex lambda = d->real[k] + I * d->imaginary[k];
@@ -106,6 +145,8 @@ static void eigenvector_find(struct diagonalization *d, const double *a, double 
         for (size_t i = 0; i < n; i++)
             d->workspace[i * n + i] -= lambda;
         complex_solve(d->workspace, d->vector, n, 1, norm * UNIT);
+        if (clusters)
+            cluster_leave(d, k);
         for (size_t i = 0; i < n; i++)
             largest = fmax(largest, cabs(d->vector[i]));
         for (size_t i = 0; i < n; i++)
@@ -290,10 +331,16 @@ int spectral_radius_enclose(const double *a, size_t size, double error, struct a
     d.vector = d.workspace + size * size;
     if (!isfinite(norm) || !eigenvalues(copy, size, d.real, d.imaginary))
         return 1;
-    for (size_t k = 0; k < size; k++)
-        eigenvector_find(&d, a, norm, k);
-    double extra = discs_find(&d, a, norm, error), low = 0, high = 0;
-    if (extra >= 0) {
+    for (int clusters = 0; clusters < 2 && *upper > *lower * (1 + TOLERANCE_EXACT); clusters++) {
+        double low = 0, high = 0;
+        for (size_t k = 0; k < size; k++)
+            eigenvector_find(&d, a, norm, k, clusters);
+        for (size_t k = 0; k < size && clusters; k++)
+            for (size_t i = 0; i < size; i++)
+                d.x[i * size + k] *= cluster_scale(&d, k);
+        double extra = discs_find(&d, a, norm, error);
+        if (extra < 0)
+            continue;
         discs_bound(&d, extra, numbers + 2 * size, joined, &low, &high);
         *lower = fmax(*lower, low);
         *upper = fmin(*upper, high);

@@ -25,6 +25,7 @@
 enum { MOST_VERTICES = 4000, MOST_PIVOTS = 400, FRESH_PIVOTS = 40 };
 
 static const double ARTIFICIAL_COST = 1e5; /* of leaving the span of the vertices; true coefficients stay below */
+static const double THICKNESS = 1e-2; /* of the hulls, before anything is known; the cycles' vertices have size 1 */
 static const size_t ARTIFICIAL = SIZE_MAX;
 
 /* Coefficient re + i im of a vertex. */
@@ -251,7 +252,7 @@ static double gauge(struct polytope *polytope, struct hull *hull, const double *
             value += hull->prices[i] * w[i];
         double largest = price_best(hull, &best);
         polytope->work += (double)(n * (2 * n + (n > hull->dimension ? 2 : 1) * hull->count));
-        if (largest <= 1 + 1e-11 || value / largest > outside)
+        if (largest <= 1 + 1e-13 || value / largest > outside)
             break;
         if (!pivot(hull, &best, column))
             break;
@@ -366,11 +367,11 @@ static bcifs_status eigenvector_find(const double *product, size_t size, struct 
 static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, size_t length, bool conjugate)
 {
     const struct block *block = polytope->block;
-    size_t node = block->edges[path[0]].from, start, vertex;
+    size_t node = block->edges[path[0]].from, start = 0, vertex;
     double error, *vector = arena_new(polytope->arena, 2 * block->largest, sizeof *vector);
     double *image = arena_new(polytope->arena, 2 * block->largest, sizeof *image);
     double *product = block_product(block, path, length, polytope->arena, &error);
-    double complex value;
+    double complex value = 0;
     if (!vector || !image || !product)
         return BCIFS_MEMORY;
     bcifs_status status = eigenvector_find(product, block->dimensions[node], polytope->arena, &value, vector);
@@ -394,6 +395,24 @@ static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, siz
         status = image_single(polytope, path[0], vertex,
                               (struct term){start, creal(value) / size, cimag(value) / size});
     return status;
+}
+
+/* Small vertices along the axes. Hulls of long cycles are thin: errors of 1e-11 in a map would lead out of them by
+ * more than their thickness. */
+static bcifs_status axes_add(struct polytope *polytope)
+{
+    for (size_t x = 0; x < polytope->block->node_count; x++)
+        for (size_t i = 0; i < polytope->hulls[x].dimension; i++) {
+            size_t index;
+            double *v = arena_new(polytope->arena, polytope->hulls[x].width, sizeof *v);
+            if (!v)
+                return BCIFS_MEMORY;
+            v[i] = THICKNESS;
+            bcifs_status status = vertex_add(polytope, x, v, &index);
+            if (status)
+                return status;
+        }
+    return BCIFS_OK;
 }
 
 static bool is_accounted(const struct polytope *polytope, size_t known, size_t edge, size_t vertex)
@@ -598,6 +617,8 @@ bcifs_status block_polytope(const struct block *block, const struct candidate *c
         if (status == BCIFS_OK && polytope.complex_case)
             status = cycle_add(&polytope, candidate->edges[i], candidate->lengths[i], true);
     }
+    if (status == BCIFS_OK)
+        status = axes_add(&polytope);
     if (status == BCIFS_OK)
         status = images_account(&polytope, TOLERANCE_JOINT, workspace);
     if (status == BCIFS_OK)

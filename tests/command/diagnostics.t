@@ -5,7 +5,7 @@
 #   # expect error other.bcifs:4:7: text
 #   # expect error: text                in this file, at no place
 #   # expect error bcifs: text          in no file
-#   # expect error =name:1:3: text      in something called name that is no file
+#   # expect error =--set a:1:3: text   in something that is no file
 #   # expect warning …                  the same for warnings
 #   # run eval --depth 3                the command and its options; without this line: check
 #   # status 0                          the exit status; without this line: 2
@@ -62,7 +62,7 @@ for my $path (sort glob "$folder/*.bcifs") {
     my ($name) = $path =~ m{([^/]+)\.bcifs$};
     my $text = decode_utf8(file_text($path));
     my @wanted = map { expected_line($path, @$_) }
-        map { [ /^(error|warning) ?(=?(?:[\w.-]+:)?\d+:\d+|[\w.-]*): (.*)$/ ] } $text =~ /^# expect (.*)$/mg;
+        map { [ /^(error|warning) ?(=[^:]+:\d+:\d+|(?:[\w.-]+:)?\d+:\d+|[\w.-]*): (.*)$/ ] } $text =~ /^# expect (.*)$/mg;
     next if !@wanted && $text =~ /^# used by other files/m;
     my ($run) = $text =~ /^# run (.*)$/m;
     my ($status_wanted) = $text =~ /^# status (\d)$/m;

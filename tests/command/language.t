@@ -497,7 +497,7 @@ END
         }
         my $explicit = "cell c $n { sub c " . written(\@first) . ' sub c ' . written(\@second) . " }\n";
         same_points(evaluate($ring . $figure->("ring($n)")), evaluate($explicit . $figure->('c')), "a count that is an argument: $n points");
-        my ($state) = grep { $_->{name} eq 'ring' } @{ judged($ring . $figure->("ring($n)"))->{states} };
+        my ($state) = grep { $_->{name} =~ /^ring\b/ } @{ judged($ring . $figure->("ring($n)"))->{states} };
         is($state->{points}, $n, "a count that is an argument: check sees $n points");
     }
     # Arguments that count: a chain of n edges as one edge, its last child reached by n-1.
@@ -511,8 +511,8 @@ edge poly(n) n { start v at 0 end v at [ n-1 ]
 END
     my $text = "$chain figure f { open poly(4) points [ 0 0; 1 5; 2 2; 3 0 ] }";
     my $json = judged($text);
-    my %problem = map { $_->{equation} => $_ } grep { !$_->{holds} } @{ $json->{equations} };
-    is_deeply([ sort map { $_->{name} } @{ $json->{states} } ], [ sort qw(v line poly) ], 'counts that shrink along the children');
+    my %sizes = map { $_->{points} => 1 } grep { $_->{name} =~ /^poly\b/ } @{ $json->{states} };
+    is_deeply([ sort keys %sizes ], [ 2, 3, 4 ], 'counts that shrink along the children: every size that is reached');
 }
 
 # ---- Surfaces and products -------------------------------------------------------------------------------------
