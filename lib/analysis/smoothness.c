@@ -18,12 +18,13 @@ struct inquiry {
     struct states *states;
     struct arena *arena; /* for all that is not reported */
     size_t *list, count;
-    bool complete;                /* every descendant is in the list */
-    size_t fewest, most;          /* N, over the states */
-    struct restriction space;     /* V_0 ∩ ker q_1 ∩ … ∩ ker q_order */
+    bool complete;            /* every descendant is in the list */
+    size_t fewest, most;      /* N, over the states */
+    struct restriction space; /* V_0 ∩ ker q_1 ∩ … ∩ ker q_order */
     int reproduces, order;
     struct joint_bounds bounds;
-    int joints; /* derivatives of order 0 … joints agree at every joint of two children; -1: not even values */
+    int joints; /* derivatives of order 0 … joints agree at every joint of two children; -1: not even values
+                 */
 };
 
 /* ---- The descendants ----------------------------------------------------------------------------------- */
@@ -90,8 +91,8 @@ static bcifs_status reproduction_find(struct inquiry *inquiry)
 
 /* ---- Joints -------------------------------------------------------------------------------------------- */
 
-/* One-sided derivatives: with q_l f(t) = t^l, f(t) = Σ D_l t^l near its start and f(1-s) = Σ E_l s^l near its end,
- * where N^l T_0 D^y_l = D^x_l, N^l T_N-1 E^y_l = E^x_l, q_j D_l = δ_jl and q_j E_l = (-1)^l C(j,l). */
+/* One-sided derivatives: with q_l f(t) = t^l, f(t) = Σ D_l t^l near its start and f(1-s) = Σ E_l s^l near its
+ * end, where N^l T_0 D^y_l = D^x_l, N^l T_N-1 E^y_l = E^x_l, q_j D_l = δ_jl and q_j E_l = (-1)^l C(j,l). */
 struct jets {
     size_t *base, total; /* first coordinate of each state; of all together */
     size_t count;        /* states */
@@ -128,7 +129,8 @@ static size_t place_of(const struct inquiry *inquiry, size_t state)
     return place;
 }
 
-/* q_l with N^l q_l T_i = Σ_j<=l C(l,j) i^(l-j) q_j, so that q_l f(t) = t^l for the arc's uniform parameter. */
+/* q_l with N^l q_l T_i = Σ_j<=l C(l,j) i^(l-j) q_j, so that q_l f(t) = t^l for the arc's uniform parameter.
+ */
 static bcifs_status moment_find(const struct inquiry *inquiry, struct jets *jets, int l)
 {
     size_t unknowns = jets->total + 1, rows = 0, row = 0, free;
@@ -137,7 +139,8 @@ static bcifs_status moment_find(const struct inquiry *inquiry, struct jets *jets
         for (size_t i = 0; i < state->cell->child_count; i++)
             rows += state->cell->children[i].map->columns;
     }
-    struct value *equations = zeros(inquiry->arena, rows * unknowns), *solution = zeros(inquiry->arena, unknowns);
+    struct value *equations = zeros(inquiry->arena, rows * unknowns),
+                 *solution = zeros(inquiry->arena, unknowns);
     if (!equations || !solution)
         return BCIFS_MEMORY;
     for (size_t x = 0; x < jets->count; x++) {
@@ -149,12 +152,14 @@ static bcifs_status moment_find(const struct inquiry *inquiry, struct jets *jets
             for (size_t column = 0; column < map->columns; column++, row++) {
                 struct value *equation = &equations[row * unknowns];
                 for (size_t k = 0; k < map->rows; k++)
-                    equation[jets->base[x] + k] = value_multiply(scale, map->values[k * map->columns + column]);
+                    equation[jets->base[x] + k] =
+                        value_multiply(scale, map->values[k * map->columns + column]);
                 add_to(&equation[jets->base[y] + column], value_from_integer(-1));
                 for (int j = 0; j < l; j++)
                     add_to(&equation[jets->total],
-                           value_negate(value_multiply(value_multiply(binomial(l, j), value_power((int64_t)i, l - j)),
-                                                       jets->q[j][jets->base[y] + column])));
+                           value_negate(
+                               value_multiply(value_multiply(binomial(l, j), value_power((int64_t)i, l - j)),
+                                              jets->q[j][jets->base[y] + column])));
             }
         }
     }
@@ -169,7 +174,8 @@ static bcifs_status derivative_find(const struct inquiry *inquiry, const struct 
 {
     size_t unknowns = jets->total + 1, row = 0, free;
     size_t rows = jets->total + jets->count * (size_t)(l + 1);
-    struct value *equations = zeros(inquiry->arena, rows * unknowns), *solution = zeros(inquiry->arena, unknowns);
+    struct value *equations = zeros(inquiry->arena, rows * unknowns),
+                 *solution = zeros(inquiry->arena, unknowns);
     if (!equations || !solution)
         return BCIFS_MEMORY;
     for (size_t x = 0; x < jets->count; x++) {
@@ -202,7 +208,8 @@ static bool derivatives_agree(const struct inquiry *inquiry, const struct jets *
     for (size_t x = 0; x < jets->count; x++) {
         const struct state *state = &inquiry->states->states[inquiry->list[x]];
         for (size_t i = 0; i + 1 < state->cell->child_count; i++) {
-            const struct value_matrix *left = state->cell->children[i].map, *right = state->cell->children[i + 1].map;
+            const struct value_matrix *left = state->cell->children[i].map,
+                                      *right = state->cell->children[i + 1].map;
             const struct value *e = end + jets->base[place_of(inquiry, state->children[i])];
             const struct value *d = start + jets->base[place_of(inquiry, state->children[i + 1])];
             for (size_t row = 0; row < state->points; row++) {
@@ -281,8 +288,8 @@ static double exponent(double radius, size_t n, bool upward)
     return upward ? value + margin : value - margin;
 }
 
-/* Without a common N the parameter's length after n subdivisions lies between most^-n and fewest^-n; both bounds hold
- * for ρ on either side of 1. */
+/* Without a common N the parameter's length after n subdivisions lies between most^-n and fewest^-n; both
+ * bounds hold for ρ on either side of 1. */
 static void exponents_find(const struct inquiry *inquiry, struct smoothness *smoothness)
 {
     const struct joint_bounds *bounds = &inquiry->bounds;
@@ -353,7 +360,8 @@ static bcifs_status find(struct inquiry *inquiry, size_t index, double effort, s
     struct joint_family family;
     bcifs_status status = descendants_collect(inquiry, index);
     if (status == BCIFS_OK)
-        status = restriction_begin(&inquiry->space, inquiry->states, inquiry->list, inquiry->count, inquiry->arena);
+        status = restriction_begin(&inquiry->space, inquiry->states, inquiry->list, inquiry->count,
+                                   inquiry->arena);
     if (status == BCIFS_OK)
         status = reproduction_find(inquiry);
     if (status == BCIFS_OK)

@@ -312,18 +312,11 @@ static bcifs_status parameter_range(struct parameter *parameter, const struct va
                         "'%s' = %s lies outside its range %s..%s", parameter->name, text[0], text[1], text[2]);
 }
 
-/* Lets that no cell uses are resolved too, so that their mistakes are found. */
 static bcifs_status lets_resolve(const struct module *module, struct report *report)
 {
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < module->scope->let_count; i++) {
-        struct syntax_let *let = module->scope->lets[i];
-        if (let->resolving == 2)
-            continue;
-        let->resolving = 1;
-        bcifs_status one = expression_resolve(let->value, module->scope, let->arguments, let->argument_count, NULL,
-                                              0, module->source, report);
-        let->resolving = 2;
+        bcifs_status one = let_resolve(module->scope->lets[i], module->scope, module->source, report);
         status = status ? status : one;
     }
     return status;

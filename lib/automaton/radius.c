@@ -10,33 +10,74 @@ enum {
     MOST_DEGREE = 8    /* of the polynomials that are split off */
 };
 
-/* The family whose radius is that of the automaton: the restriction, and next to it what was split off, families of
- * numbers. Edge e is map origin[e] of the restriction. */
+/* The family whose radius is that of the automaton: the restriction, and next to it what was split off,
+ * families of numbers. Edge e is map origin[e] of the restriction. */
 struct parts {
     size_t *dimensions, node_count;
     struct joint_edge *edges;
     size_t *origin, edge_count, capacity, origin_capacity;
 };
 
-/* Expands the states that are reached, and lists those that have numbers. `complete`: none is left out. */
-static bcifs_status states_list(struct states *states, struct arena *arena, size_t **list, size_t *count,
-                                bool *complete)
+/* What takes part in the bound. */
+struct reached {
+    size_t *list, count;
+    bool complete;    /* no state is left out */
+    size_t dimension; /* largest number of factors of a product, 1 without products */
+};
+
+static size_t factor_count(const struct definition *definition)
 {
-    *count = 0;
-    *complete = true;
+    if (definition->form != DEFINITION_PRODUCT)
+        return 1;
+    return factor_count(definition->factors[0]) + factor_count(definition->factors[1]);
+}
+
+/* Adds the two factors of a product to the table: with the arguments written for them, or their share of the
+ * product's. */
+static bcifs_status factors_intern(struct states *states, struct state_key key)
+{
+    const struct definition *product = key.definition;
+    size_t next = 0, index;
+    for (int i = 0; i < 2; i++) {
+        struct state_key factor = {product->factors[i], key.arguments ? key.arguments + next : NULL};
+        bcifs_status status = BCIFS_OK;
+        if (product->factor_references[i])
+            status = reference_evaluate(&states->setting, states->arena, product->factor_references[i],
+                                        product->module, key.arguments, &factor);
+        else
+            next += product->factors[i]->argument_count;
+        if (status == BCIFS_OK)
+            status = states_intern(states, factor, &index);
+        if (status)
+            return status;
+    }
+    return BCIFS_OK;
+}
+
+/* Expands the states that are reached, and lists those that have numbers. Products do not take part, their
+ * factors do: on differences, A ⊗ B has the blocks A, B (on differences of one factor's points) and A ⊗ B of
+ * differences of both, whose radius is the product of the factors'. So it adds nothing when these are
+ * below 1. */
+static bcifs_status states_list(struct states *states, struct arena *arena, struct reached *reached)
+{
+    *reached = (struct reached){.complete = true, .dimension = 1};
     for (size_t i = 0; i < states->count && i < MOST_STATES; i++) {
-        bcifs_status status = states_expand(states, i);
+        struct state_key key = states->states[i].key;
+        bool is_product = key.definition->form == DEFINITION_PRODUCT;
+        bcifs_status status = is_product ? factors_intern(states, key) : states_expand(states, i);
         if (status == BCIFS_MEMORY)
             return status;
-        *complete = *complete && status == BCIFS_OK;
+        reached->complete = reached->complete && status == BCIFS_OK;
+        if (is_product && factor_count(key.definition) > reached->dimension)
+            reached->dimension = factor_count(key.definition);
     }
-    *complete = *complete && states->count <= MOST_STATES;
-    *list = arena_new(arena, states->count, sizeof **list);
-    if (!*list)
+    reached->complete = reached->complete && states->count <= MOST_STATES;
+    reached->list = arena_new(arena, states->count, sizeof *reached->list);
+    if (!reached->list)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < states->count; i++)
-        if (states->states[i].expanded)
-            (*list)[(*count)++] = i;
+        if (states->states[i].expanded && states->states[i].key.definition->form != DEFINITION_PRODUCT)
+            reached->list[reached->count++] = i;
     return BCIFS_OK;
 }
 
@@ -52,8 +93,8 @@ static bcifs_status part_add(struct parts *parts, struct joint_edge edge, size_t
     return BCIFS_OK;
 }
 
-/* With q^x A = N^-k q^y the maps are block triangular: what they do on the kernels of q, and the numbers N^-k on the
- * quotients, which are lines where q is not 0. */
+/* With q^x A = N^-k q^y the maps are block triangular: what they do on the kernels of q, and the numbers N^-k
+ * on the quotients, which are lines where q is not 0. */
 static bcifs_status numbers_add(struct parts *parts, const struct restriction *restriction, int k,
                                 struct value *const *q, struct arena *arena)
 {
@@ -74,8 +115,8 @@ static bcifs_status numbers_add(struct parts *parts, const struct restriction *r
             return BCIFS_MEMORY;
         entry[1] = value_pin(&number, DBL_EPSILON);
         entry[0] = number.real;
-        bcifs_status status =
-            part_add(parts, (struct joint_edge){base + map->from, base + map->to, entry, entry + 1}, e, arena);
+        bcifs_status status = part_add(
+            parts, (struct joint_edge){base + map->from, base + map->to, entry, entry + 1}, e, arena);
         if (status)
             return status;
     }
@@ -118,8 +159,8 @@ static bcifs_status parts_make(struct restriction *restriction, struct arena *ar
 
 /* "arc: 0 1": the state where the word begins, and its maps. */
 static bcifs_status word_text(const struct states *states, const struct restriction *restriction,
-                              const struct parts *parts, const struct joint_bounds *bounds, struct arena *arena,
-                              struct radius *radius)
+                              const struct parts *parts, const struct joint_bounds *bounds,
+                              struct arena *arena, struct radius *radius)
 {
     struct text text = {0};
     radius->product = "";
@@ -138,17 +179,17 @@ static bcifs_status word_text(const struct states *states, const struct restrict
     return radius->product ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-static bcifs_status bound(struct states *states, struct arena *own, struct arena *arena, struct radius *radius)
+static bcifs_status bound(struct states *states, struct arena *own, struct arena *arena,
+                          struct radius *radius)
 {
     struct restriction restriction;
     struct joint_family family;
     struct joint_bounds bounds;
+    struct reached reached;
     struct parts parts;
-    size_t *list, count;
-    bool complete;
-    bcifs_status status = states_list(states, own, &list, &count, &complete);
+    bcifs_status status = states_list(states, own, &reached);
     if (status == BCIFS_OK)
-        status = restriction_begin(&restriction, states, list, count, own);
+        status = restriction_begin(&restriction, states, reached.list, reached.count, own);
     if (status == BCIFS_OK)
         status = parts_make(&restriction, own, &parts, &family);
     if (status == BCIFS_OK)
@@ -156,8 +197,11 @@ static bcifs_status bound(struct states *states, struct arena *own, struct arena
     if (status)
         return status;
     radius->lower = bounds.lower;
-    radius->upper = complete ? bounds.upper : INFINITY; /* a state left out is not bounded */
-    radius->certificate = complete ? joint_bounds_text(&bounds, arena) : "not all states that are reached are bounded";
+    radius->upper = reached.complete ? bounds.upper : INFINITY; /* a state left out is not bounded */
+    if (radius->upper >= 1 && reached.dimension > 1)
+        radius->upper = pow(radius->upper, (double)reached.dimension) * (1 + 8 * DBL_EPSILON);
+    radius->certificate =
+        reached.complete ? joint_bounds_text(&bounds, arena) : "not all states that are reached are bounded";
     if (!radius->certificate)
         return BCIFS_MEMORY;
     return word_text(states, &restriction, &parts, &bounds, arena, radius);

@@ -56,8 +56,9 @@ static struct bounded_value add_multiple(struct bounded_value a, struct value fa
     struct bounded_value sum;
     sum.value = value_add(a.value, value_multiply(factor, b.value));
     double size = fabs(factor.real);
-    sum.error = (a.error + size * b.error + DBL_EPSILON * (fabs(a.value.real) + 2 * size * fabs(b.value.real))) *
-                (1 + 4 * DBL_EPSILON);
+    sum.error =
+        (a.error + size * b.error + DBL_EPSILON * (fabs(a.value.real) + 2 * size * fabs(b.value.real))) *
+        (1 + 4 * DBL_EPSILON);
     sum.error = value_pin(&sum.value, sum.error);
     return sum;
 }
@@ -83,7 +84,8 @@ static void row_eliminate(struct value *row, const struct value *pivot, struct v
 }
 
 /* Brings the best pivot of column j among rows `rank` … to row `rank`. False when there is none. */
-static bool pivot_find(struct value *equations, size_t rows, size_t unknowns, size_t rank, size_t j, double scale)
+static bool pivot_find(struct value *equations, size_t rows, size_t unknowns, size_t rank, size_t j,
+                       double scale)
 {
     size_t best = rank;
     for (size_t i = rank; i < rows; i++) {
@@ -112,7 +114,8 @@ static size_t equations_reduce(struct value *equations, size_t rows, size_t unkn
     for (size_t j = 0; j < unknowns; j++) {
         if (!pivot_find(equations, rows, unknowns, rank, j, scale))
             continue;
-        struct value *pivot = &equations[rank * unknowns], inverse = value_divide(value_from_integer(1), pivot[j]);
+        struct value *pivot = &equations[rank * unknowns],
+                     inverse = value_divide(value_from_integer(1), pivot[j]);
         for (size_t k = 0; k < unknowns; k++)
             pivot[k] = k == j ? value_from_integer(1) : value_multiply(pivot[k], inverse);
         for (size_t i = 0; i < rows; i++) {
@@ -160,7 +163,8 @@ struct kernel {
     size_t size;          /* of q */
     const size_t *places; /* size: those with q != 0, rising, then the others, rising */
     size_t support;
-    const struct value *ratios; /* ratios[a] = q[places[a]] / q[places[a+1]]: basis vector e_a - ratio e_a+1 */
+    const struct value
+        *ratios; /* ratios[a] = q[places[a]] / q[places[a+1]]: basis vector e_a - ratio e_a+1 */
 };
 
 /* A ratio of entries known in doubles that is nearly an integer is that integer: q is constant for masks. */
@@ -168,13 +172,15 @@ static struct value ratio_make(struct value a, struct value b)
 {
     struct value ratio = value_divide(a, b);
     double nearest = nearbyint(ratio.real);
-    if (!ratio.exact && fabs(nearest) < 1e6 && fabs(ratio.real - nearest) <= TOLERANCE_REPRODUCTION * fabs(nearest))
+    if (!ratio.exact && fabs(nearest) < 1e6 &&
+        fabs(ratio.real - nearest) <= TOLERANCE_REPRODUCTION * fabs(nearest))
         ratio = value_from_integer((int64_t)nearest);
     value_pin(&ratio, 0);
     return ratio;
 }
 
-static bcifs_status kernel_make(const struct value *q, size_t size, struct arena *arena, struct kernel *kernel)
+static bcifs_status kernel_make(const struct value *q, size_t size, struct arena *arena,
+                                struct kernel *kernel)
 {
     size_t *places = arena_new(arena, size, sizeof *places), count = 0;
     struct value *ratios = arena_new(arena, size, sizeof *ratios);
@@ -201,10 +207,11 @@ static size_t kernel_dimension(const struct kernel *kernel)
     return kernel->support > 0 ? kernel->size - 1 : kernel->size;
 }
 
-/* A column w in coordinates of the old basis to its coordinates c in the new one: c_a = w_a + ratio_a-1 c_a-1 from the
- * front. What is left over at the last place is 0 for a column in the kernel; `defect` receives its size beyond what
- * errors explain. The same from the back is c_a-1 = (c_a - w_a) / ratio_a-1: of numbers that are not exact the one with
- * the smaller error is taken, because errors grow like binomial coefficients along the way. */
+/* A column w in coordinates of the old basis to its coordinates c in the new one: c_a = w_a + ratio_a-1 c_a-1
+ * from the front. What is left over at the last place is 0 for a column in the kernel; `defect` receives its
+ * size beyond what errors explain. The same from the back is c_a-1 = (c_a - w_a) / ratio_a-1: of numbers that
+ * are not exact the one with the smaller error is taken, because errors grow like binomial coefficients along
+ * the way. */
 static void kernel_coordinates(const struct kernel *kernel, const struct bounded_value *column,
                                struct bounded_value *result, size_t stride, double *defect)
 {
@@ -233,8 +240,8 @@ static void kernel_coordinates(const struct kernel *kernel, const struct bounded
         result[k++ * stride] = column[kernel->places[a]];
 }
 
-/* R with A D = D' R, the columns of D and D' being the bases of the kernels. Where numbers are not exact, what
- * their errors leave unexplained of the difference is added to them. */
+/* R with A D = D' R, the columns of D and D' being the bases of the kernels. Where numbers are not exact,
+ * what their errors leave unexplained of the difference is added to them. */
 static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *from, const struct kernel *to,
                                struct arena *arena)
 {
@@ -267,7 +274,8 @@ static bcifs_status map_reduce(struct restricted_map *map, const struct kernel *
 /* ---- Numbers that are not exact ------------------------------------------------------------------------ */
 
 /* B <- B D, the columns of D being the basis of the kernel. */
-static double *basis_reduce(const double *basis, size_t points, const struct kernel *kernel, struct arena *arena)
+static double *basis_reduce(const double *basis, size_t points, const struct kernel *kernel,
+                            struct arena *arena)
 {
     size_t columns = kernel_dimension(kernel);
     double *result = arena_new(arena, points * columns, sizeof *result);
@@ -277,14 +285,15 @@ static double *basis_reduce(const double *basis, size_t points, const struct ker
         for (size_t i = 0; i < points; i++) {
             result[i * columns + k] = basis[i * kernel->size + first];
             if (pair)
-                result[i * columns + k] -= kernel->ratios[k].real * basis[i * kernel->size + kernel->places[k + 1]];
+                result[i * columns + k] -=
+                    kernel->ratios[k].real * basis[i * kernel->size + kernel->places[k + 1]];
         }
     }
     return result;
 }
 
-/* L with L B = I + G, B rows × columns of full rank, L = (B^T B)^-1 B^T with two steps L <- (2 I - L B) L, and a bound
- * of each |G_ij|. */
+/* L with L B = I + G, B rows × columns of full rank, L = (B^T B)^-1 B^T with two steps L <- (2 I - L B) L,
+ * and a bound of each |G_ij|. */
 static bcifs_status left_inverse(const double *basis, size_t rows, size_t columns, struct arena *arena,
                                  double **inverse, double **excess)
 {
@@ -325,26 +334,29 @@ static bcifs_status left_inverse(const double *basis, size_t rows, size_t column
     return BCIFS_OK;
 }
 
-/* R = L T B for T B = B' R, L B' = I: a far better answer than differences of differences, because L is small. Every
- * entry whose error is smaller is taken. Bounds of errors go along entry by entry; what they leave unexplained of
- * T B - B' R is added. */
+/* R = L T B for T B = B' R, L B' = I: a far better answer than differences of differences, because L is
+ * small. Every entry whose error is smaller is taken. Bounds of errors go along entry by entry; what they
+ * leave unexplained of T B - B' R is added. */
 static bcifs_status map_refine(const struct restriction *restriction, struct restricted_map *map,
                                const double *inverse, const double *excess, struct arena *arena)
 {
     size_t rows = restriction->points[map->from], inner = restriction->points[map->to];
     size_t size = restriction->dimensions[map->from], columns = restriction->dimensions[map->to];
     const double *from = restriction->basis[map->from], *to = restriction->basis[map->to];
-    double *numbers = arena_new(arena, 2 * (rows + size) * columns, sizeof *numbers), unexplained = 0, reach = 0;
+    double *numbers = arena_new(arena, 2 * (rows + size) * columns, sizeof *numbers), unexplained = 0,
+           reach = 0;
     if (!numbers)
         return BCIFS_MEMORY;
-    double *w = numbers, *off_w = w + rows * columns, *r = off_w + rows * columns, *off_r = r + size * columns;
+    double *w = numbers, *off_w = w + rows * columns, *r = off_w + rows * columns,
+           *off_r = r + size * columns;
     double unit = (double)(inner + rows + size + 4) * DBL_EPSILON;
     for (size_t i = 0; i < rows; i++)
         for (size_t j = 0; j < columns; j++)
             for (size_t k = 0; k < inner; k++) {
                 const struct bounded_value *entry = &map->whole[i * inner + k];
                 w[i * columns + j] += entry->value.real * to[k * columns + j];
-                off_w[i * columns + j] += (entry->error + unit * fabs(entry->value.real)) * fabs(to[k * columns + j]);
+                off_w[i * columns + j] +=
+                    (entry->error + unit * fabs(entry->value.real)) * fabs(to[k * columns + j]);
             }
     for (size_t i = 0; i < size; i++)
         for (size_t k = 0; k < rows; k++) {
@@ -352,7 +364,8 @@ static bcifs_status map_refine(const struct restriction *restriction, struct res
             reach = fmax(reach, fabs(factor));
             for (size_t j = 0; j < columns; j++) {
                 r[i * columns + j] += factor * w[k * columns + j];
-                off_r[i * columns + j] += fabs(factor) * (off_w[k * columns + j] + unit * fabs(w[k * columns + j]));
+                off_r[i * columns + j] +=
+                    fabs(factor) * (off_w[k * columns + j] + unit * fabs(w[k * columns + j]));
             }
         }
     for (size_t i = 0; i < rows; i++)
@@ -360,7 +373,8 @@ static bcifs_status map_refine(const struct restriction *restriction, struct res
             double rest = w[i * columns + j], allowed = off_w[i * columns + j];
             for (size_t k = 0; k < size; k++) {
                 rest -= from[i * size + k] * r[k * columns + j];
-                allowed += fabs(from[i * size + k]) * (off_r[k * columns + j] + unit * fabs(r[k * columns + j]));
+                allowed +=
+                    fabs(from[i * size + k]) * (off_r[k * columns + j] + unit * fabs(r[k * columns + j]));
             }
             unexplained = fmax(unexplained, fabs(rest) - allowed);
         }
@@ -383,11 +397,16 @@ static bcifs_status restriction_refine(struct restriction *restriction, const st
     double **inverse = arena_new(arena, restriction->count, sizeof *inverse);
     double **excess = arena_new(arena, restriction->count, sizeof *excess);
     bcifs_status status = inverse && excess ? BCIFS_OK : BCIFS_MEMORY;
+    for (size_t x = 0; x < restriction->count; x++)
+        if (restriction->points[x] > RESTRICTION_MOST_UNKNOWNS)
+            return status; /* nor are functionals looked for */
     for (size_t x = 0; x < restriction->count && status == BCIFS_OK; x++) {
-        restriction->basis[x] = basis_reduce(restriction->basis[x], restriction->points[x], &kernels[x], arena);
-        status = restriction->basis[x] ? left_inverse(restriction->basis[x], restriction->points[x],
-                                                      restriction->dimensions[x], arena, &inverse[x], &excess[x])
-                                       : BCIFS_MEMORY;
+        restriction->basis[x] =
+            basis_reduce(restriction->basis[x], restriction->points[x], &kernels[x], arena);
+        status = restriction->basis[x]
+                     ? left_inverse(restriction->basis[x], restriction->points[x], restriction->dimensions[x],
+                                    arena, &inverse[x], &excess[x])
+                     : BCIFS_MEMORY;
     }
     for (size_t e = 0; e < restriction->map_count && status == BCIFS_OK; e++) {
         size_t from = restriction->maps[e].from;
@@ -398,7 +417,8 @@ static bcifs_status restriction_refine(struct restriction *restriction, const st
 
 /* ---- The chain of spaces ------------------------------------------------------------------------------- */
 
-bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q, struct arena *arena)
+bcifs_status restriction_reduce(struct restriction *restriction, const struct value *const *q,
+                                struct arena *arena)
 {
     struct kernel *kernels = arena_new(arena, restriction->count, sizeof *kernels);
     size_t *dimensions = arena_new(arena, restriction->count, sizeof *dimensions);
@@ -468,8 +488,8 @@ bcifs_status restriction_functional(const struct restriction *restriction, int k
     return status;
 }
 
-bcifs_status restriction_begin(struct restriction *restriction, const struct states *states, const size_t *list,
-                               size_t count, struct arena *arena)
+bcifs_status restriction_begin(struct restriction *restriction, const struct states *states,
+                               const size_t *list, size_t count, struct arena *arena)
 {
     size_t *place = arena_new(arena, states->count, sizeof *place); /* in the list, from 1 */
     const struct value **ones = arena_new(arena, count, sizeof *ones);
@@ -501,7 +521,8 @@ bcifs_status restriction_begin(struct restriction *restriction, const struct sta
             size_t entries = matrix->rows * matrix->columns;
             if (!place[state->children[k]])
                 continue;
-            struct restricted_map map = {x, place[state->children[k]] - 1, k, state->cell->child_count, NULL, NULL};
+            struct restricted_map map = {
+                x, place[state->children[k]] - 1, k, state->cell->child_count, NULL, NULL};
             map.whole = map.entries = arena_new(arena, entries, sizeof *map.entries);
             if (!map.entries)
                 return BCIFS_MEMORY;
@@ -532,11 +553,13 @@ bcifs_status restriction_family(const struct restriction *restriction, struct ar
     struct joint_edge *edges = arena_new(arena, restriction->map_count, sizeof *edges);
     if (!edges)
         return BCIFS_MEMORY;
-    *family = (struct joint_family){restriction->dimensions, restriction->count, edges, restriction->map_count};
+    *family =
+        (struct joint_family){restriction->dimensions, restriction->count, edges, restriction->map_count};
     for (size_t e = 0; e < restriction->map_count; e++) {
         const struct restricted_map *map = &restriction->maps[e];
         size_t count = restriction->dimensions[map->from] * restriction->dimensions[map->to];
-        double *matrix = arena_new(arena, count, sizeof *matrix), *error = arena_new(arena, count, sizeof *error);
+        double *matrix = arena_new(arena, count, sizeof *matrix),
+               *error = arena_new(arena, count, sizeof *error);
         if (!matrix || !error)
             return BCIFS_MEMORY;
         for (size_t i = 0; i < count; i++) {

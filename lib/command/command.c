@@ -124,7 +124,10 @@ int number_read(const char *option, const char *text, size_t length, double *num
         return complain("%s: expected a number, found '%.40s'", option, text);
     memcpy(copy, text, length);
     copy[length] = '\0';
-    if (bcifs_number_read(copy, number, &error) != BCIFS_OK)
+    bcifs_status status = bcifs_number_read(copy, number, &error);
+    if (status == BCIFS_MEMORY)
+        return fail(status, &error);
+    if (status)
         return complain("%s: expected a number, found '%s': %s", option, copy, error.message);
     return EXIT_YES;
 }

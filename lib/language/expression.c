@@ -41,6 +41,7 @@ struct resolver {
     const char *locals[EVALUATION_MOST_LOCALS];
     size_t local_count;
     unsigned let_depth;
+    uint32_t depth, deepest; /* levels above the node that is being resolved, and of the deepest one so far */
     const struct source *source;
     struct report *report;
 };
@@ -79,28 +80,55 @@ static struct syntax_let *let_find(const struct scope *scope, const char *name)
     return NULL;
 }
 
+/* Counts the levels below a node; every walk over a resolved tree, lets included, is as deep at most. */
+static bcifs_status deepen(struct resolver *resolver, const struct expression *expression, uint32_t levels)
+{
+    if (levels > EVALUATION_DEEPEST - resolver->depth)
+        return report_error(resolver->report, resolver->source, expression->place,
+                            "expressions go more than %d levels deep", EVALUATION_DEEPEST);
+    if (resolver->depth + levels > resolver->deepest)
+        resolver->deepest = resolver->depth + levels;
+    return BCIFS_OK;
+}
+
+static bcifs_status resolve_body(const struct resolver *resolver, struct syntax_let *let)
+{
+    struct resolver inner = {.scope = resolver->scope,
+                             .arguments = let->arguments,
+                             .argument_count = let->argument_count,
+                             .let_depth = resolver->let_depth + 1,
+                             .depth = resolver->depth,
+                             .source = resolver->source,
+                             .report = resolver->report};
+    let->resolving = 1;
+    bcifs_status status = resolve(&inner, let->value);
+    let->resolving = status ? 3 : 2;
+    let->height = inner.deepest > resolver->depth ? inner.deepest - resolver->depth : 0;
+    return status;
+}
+
 /* Resolves the body of a let once; one that needs itself, or a chain too long to evaluate, is an error. */
-static bcifs_status resolve_let(const struct resolver *resolver, const struct expression *use,
-                                struct syntax_let *let)
+static bcifs_status resolve_let(struct resolver *resolver, const struct expression *use, struct syntax_let *let)
 {
     if (let->resolving == 2)
-        return BCIFS_OK;
+        return deepen(resolver, use, let->height);
+    if (let->resolving == 3) /* its mistake has been reported */
+        return BCIFS_INPUT;
     if (let->resolving == 1)
         return report_error(resolver->report, resolver->source, use->place, "'%s' is defined by itself",
                             let->name);
     if (resolver->let_depth >= EVALUATION_DEEPEST_LET)
         return report_error(resolver->report, resolver->source, use->place,
                             "more than %d lets that call each other", EVALUATION_DEEPEST_LET);
-    let->resolving = 1;
-    struct resolver inner = {.scope = resolver->scope,
-                             .arguments = let->arguments,
-                             .argument_count = let->argument_count,
-                             .let_depth = resolver->let_depth + 1,
-                             .source = resolver->source,
-                             .report = resolver->report};
-    bcifs_status status = resolve(&inner, let->value);
-    let->resolving = 2;
-    return status;
+    bcifs_status status = resolve_body(resolver, let);
+    return status ? status : deepen(resolver, use, let->height);
+}
+
+bcifs_status let_resolve(struct syntax_let *let, const struct scope *scope, const struct source *source,
+                         struct report *report)
+{
+    struct resolver resolver = {.scope = scope, .source = source, .report = report};
+    return let->resolving ? BCIFS_OK : resolve_body(&resolver, let);
 }
 
 static bcifs_status check_count(const struct resolver *resolver, const struct expression *expression,
@@ -176,7 +204,7 @@ static bcifs_status resolve_sum(struct resolver *resolver, struct expression *ex
     return status;
 }
 
-static bcifs_status resolve(struct resolver *resolver, struct expression *expression)
+static bcifs_status resolve_operands(struct resolver *resolver, struct expression *expression)
 {
     if (expression->kind == EXPRESSION_SUM)
         return resolve_sum(resolver, expression);
@@ -189,6 +217,17 @@ static bcifs_status resolve(struct resolver *resolver, struct expression *expres
         bcifs_status name = resolve_name(resolver, expression);
         status = status ? status : name;
     }
+    return status;
+}
+
+static bcifs_status resolve(struct resolver *resolver, struct expression *expression)
+{
+    bcifs_status status = deepen(resolver, expression, 1);
+    if (status)
+        return status;
+    resolver->depth++;
+    status = resolve_operands(resolver, expression);
+    resolver->depth--;
     return status;
 }
 
@@ -376,6 +415,10 @@ static bcifs_status evaluate_builtin(const struct expression *expression, struct
     return check_finite(expression, environment, value);
 }
 
+/* Kept out of evaluate_node, whose recursion is deep, because of the room for arguments. */
+#if defined(__GNUC__)
+__attribute__((noinline))
+#endif
 static bcifs_status evaluate_let(const struct expression *expression, struct environment *environment,
                                  struct value *value)
 {

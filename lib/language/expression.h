@@ -26,6 +26,9 @@ struct scope {
 bcifs_status expression_resolve(struct expression *expression, const struct scope *scope,
                                 const char *const *arguments, size_t argument_count, const char *const *locals,
                                 size_t local_count, const struct source *source, struct report *report);
+/* Resolves the value of a let, unless it has been: mistakes in lets that nothing uses are found too. */
+bcifs_status let_resolve(struct syntax_let *let, const struct scope *scope, const struct source *source,
+                         struct report *report);
 /* Whether `name` is a built-in constant or function. */
 bool name_is_builtin(const char *name);
 
@@ -34,7 +37,7 @@ bool name_is_builtin(const char *name);
 enum {
     EVALUATION_MOST_LOCALS = 64,       /* nested `for` and `sum` */
     EVALUATION_DEEPEST_LET = 64,       /* lets that call lets */
-    EVALUATION_DEEPEST = 4000,         /* levels of trees below each other, calls included */
+    EVALUATION_DEEPEST = 1500,         /* levels of trees below each other, through the lets that are called */
     EVALUATION_MOST_STEPS = 20 * 1000 * 1000 /* nodes visited in elaborating one state */
 };
 

@@ -200,7 +200,8 @@ struct syntax_let {
     size_t argument_count;
     bool has_arguments;
     struct expression *value;
-    int resolving;   /* 0 not yet, 1 under way, 2 done; used by expression_resolve to find cycles */
+    int resolving;   /* 0 not yet, 1 under way, 2 done, 3 with mistakes; used by expression_resolve */
+    uint32_t height; /* of its tree with those of the lets it calls below it; once resolved */
     bool structural; /* its params have been marked; used by expression_mark */
 };
 

@@ -11,6 +11,8 @@
 #include "numeric/tolerance.h"
 
 static const double UNIT = DBL_EPSILON / 2;
+enum { MOST_DIAGONAL = 48 };               /* eigenvectors take the fourth power of the order */
+static const double MOST_TRACE_WORK = 2e7; /* multiplications */
 static const double CLUSTER = 1e-3; /* share of the largest eigenvalue within which others are called close */
 static const double UNDERFLOW = 1e-290; /* more than all underflows of one product can amount to */
 
@@ -99,8 +101,9 @@ static bool are_close(const struct diagonalization *d, size_t j, size_t k)
     return distance <= CLUSTER * hypot(d->real[0], d->imaginary[0]);
 }
 
-/* v <- v less its projections on the columns of X before k whose eigenvalues are close to the k-th: where eigenvectors
- * run together (a Jordan block), the columns then span the same invariant subspace, and stay independent. */
+/* v <- v less its projections on the columns of X before k whose eigenvalues are close to the k-th: where
+ * eigenvectors run together (a Jordan block), the columns then span the same invariant subspace, and stay
+ * independent. */
 static void cluster_leave(struct diagonalization *d, size_t k)
 {
     size_t n = d->size;
@@ -118,8 +121,8 @@ static void cluster_leave(struct diagonalization *d, size_t k)
     }
 }
 
-/* In a cluster of q close eigenvalues A is nearly triangular; dividing column p by s^p divides what stands above the
- * diagonal by s, and multiplies rounding below it: s = 10^(14/q) leaves both small. */
+/* In a cluster of q close eigenvalues A is nearly triangular; dividing column p by s^p divides what stands
+ * above the diagonal by s, and multiplies rounding below it: s = 10^(14/q) leaves both small. */
 static double cluster_scale(const struct diagonalization *d, size_t k)
 {
     double before = 0, all = 0;
@@ -130,8 +133,8 @@ static double cluster_scale(const struct diagonalization *d, size_t k)
     return pow(10, -14 / all * before);
 }
 
-/* Column k of X: an eigenvector by inverse iteration from a start that differs with k, so that a multiple eigenvalue
- * with several eigenvectors gets independent ones; with `clusters`, as above. */
+/* Column k of X: an eigenvector by inverse iteration from a start that differs with k, so that a multiple
+ * eigenvalue with several eigenvectors gets independent ones; with `clusters`, as above. */
 static void eigenvector_find(struct diagonalization *d, const double *a, double norm, size_t k, bool clusters)
 {
     size_t n = d->size;
@@ -156,16 +159,20 @@ static void eigenvector_find(struct diagonalization *d, const double *a, double 
         d->x[i * n + k] = d->vector[i];
 }
 
+static double complex_row_norm(const double complex *row, size_t size)
+{
+    double sum = 0;
+    for (size_t j = 0; j < size; j++)
+        sum += cabs(row[j]);
+    return round_up(sum, 4 * size);
+}
+
 static double complex_norm(const double complex *a, size_t size)
 {
     double largest = 0;
-    for (size_t i = 0; i < size; i++) {
-        double sum = 0;
-        for (size_t j = 0; j < size; j++)
-            sum += cabs(a[i * size + j]);
-        largest = fmax(largest, sum);
-    }
-    return round_up(largest, 4 * size);
+    for (size_t i = 0; i < size; i++)
+        largest = fmax(largest, complex_row_norm(a + i * size, size));
+    return largest;
 }
 
 static void complex_multiply(const double complex *a, const double complex *b, size_t size, double complex *c)
@@ -180,26 +187,30 @@ static void complex_multiply(const double complex *a, const double complex *b, s
 }
 
 /* The discs of X^-1 A X: centers on the diagonal of Z = Y A X, Y nearly X^-1. With Y X = I - G, |G| <= η < 1,
- * X^-1 A X = (I - G)^-1 Y A X differs from Y A X by at most η/(1-η) |Y A X|. Returns what must be added to every
- * row sum, or a negative number when X is too ill conditioned. */
-static double discs_find(struct diagonalization *d, const double *a, double norm, double error)
+ * X^-1 A X = (I - G)^-1 Y A X = Z + (I - G)^-1 G Z, and row i of the last term is at most |G_i| / (1 - η)
+ * |Z|. `radius` receives what rounding and this term add to every row sum. False: X is too ill conditioned.
+ */
+static bool discs_find(struct diagonalization *d, const double *a, double norm, double error, double *radius)
 {
     size_t n = d->size;
-    double gamma = 4 * gamma_of(n + 2);
+    double gamma = 4 * gamma_of(n + 2), eta = 0;
     memcpy(d->workspace, d->x, n * n * sizeof *d->x);
     memset(d->inverse, 0, n * n * sizeof *d->inverse);
     for (size_t i = 0; i < n; i++)
         d->inverse[i * n + i] = 1;
     complex_solve(d->workspace, d->inverse, n, n, DBL_MIN);
     double norm_x = complex_norm(d->x, n), norm_y = complex_norm(d->inverse, n);
-    if (!isfinite(norm_y) || norm_x * norm_y > 1e12)
-        return -1;
+    if (!isfinite(norm_y) || norm_x * norm_y > 1e14)
+        return false;
     complex_multiply(d->inverse, d->x, n, d->workspace);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
+        double row = complex_row_norm(d->inverse + i * n, n);
         d->workspace[i * n + i] -= 1;
-    double eta = complex_norm(d->workspace, n) + 2 * gamma * (norm_x * norm_y + 1);
+        radius[i] = complex_row_norm(d->workspace + i * n, n) + 2 * gamma * (row * norm_x + 1);
+        eta = fmax(eta, radius[i]);
+    }
     if (!(eta < 0.5))
-        return -1;
+        return false;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             double complex sum = 0;
@@ -208,14 +219,19 @@ static double discs_find(struct diagonalization *d, const double *a, double norm
             d->workspace[i * n + j] = sum;
         }
     complex_multiply(d->inverse, d->workspace, n, d->product);
-    double rounding = norm_y * norm_x * (2 * gamma * norm + error) * 1.01;
-    return (rounding + 1.01 * eta / (1 - eta) * (complex_norm(d->product, n) + rounding)) * 1.01 + UNDERFLOW;
+    double rounding = norm_x * (2 * gamma * norm + error) * 1.01; /* times the norm of a row of Y */
+    double norm_z = complex_norm(d->product, n) + norm_y * rounding;
+    for (size_t i = 0; i < n; i++) {
+        double row = complex_row_norm(d->inverse + i * n, n);
+        radius[i] = 1.01 * (row * rounding + 1.01 * radius[i] / (1 - eta) * norm_z) + UNDERFLOW;
+    }
+    return true;
 }
 
-/* A connected union of discs holds as many eigenvalues as discs. The union around the outermost center gives the
- * lower bound, the union of all the upper one. */
-static void discs_bound(const struct diagonalization *d, double extra, double *radius, bool *joined,
-                        double *lower, double *upper)
+/* A connected union of discs holds as many eigenvalues as discs. The union around the outermost center gives
+ * the lower bound, the union of all the upper one. */
+static void discs_bound(const struct diagonalization *d, double *radius, bool *joined, double *lower,
+                        double *upper)
 {
     size_t n = d->size, outermost = 0;
     const double complex *z = d->product;
@@ -223,7 +239,7 @@ static void discs_bound(const struct diagonalization *d, double extra, double *r
         double sum = 0;
         for (size_t j = 0; j < n; j++)
             sum += j == i ? 0 : cabs(z[i * n + j]);
-        radius[i] = round_up(sum, 4 * n) + extra;
+        radius[i] = round_up(round_up(sum, 4 * n) + radius[i], 1);
         joined[i] = false;
         *upper = fmax(*upper, round_up(cabs(z[i * n + i]) + radius[i], 4));
         if (cabs(z[i * n + i]) > cabs(z[outermost * n + outermost]))
@@ -234,8 +250,7 @@ static void discs_bound(const struct diagonalization *d, double extra, double *r
         grows = false;
         for (size_t i = 0; i < n; i++)
             for (size_t j = 0; j < n && joined[i]; j++)
-                if (!joined[j] &&
-                    cabs(z[i * n + i] - z[j * n + j]) <= round_up(radius[i] + radius[j], 8)) {
+                if (!joined[j] && cabs(z[i * n + i] - z[j * n + j]) <= round_up(radius[i] + radius[j], 8)) {
                     joined[j] = grows = true;
                 }
     }
@@ -256,16 +271,19 @@ static bool traces_bound(const double *a, size_t n, double error, struct arena *
     if (!power || !next)
         return false;
     double exponent = 1, scale = 0; /* A^p = power · 2^scale */
-    for (int step = 0; step < 40; step++) {
+    double work = 0, cost = (double)n * (double)n * (double)n;
+    for (int step = 0; step < 40; step++, work += cost) {
         double trace = 0, sum = 0, norm = row_norm(power, n, n);
         for (size_t i = 0; i < n; i++) {
             trace += power[i * n + i];
             sum += fabs(power[i * n + i]);
         }
         double certain = fabs(trace) - gamma_of(n) * sum - (double)n * error * 1.01;
-        if (certain > 0)
-            *lower = fmax(*lower, exp2((log2(certain / (double)n) + scale) / exponent) * (1 - 1e-15));
-        if (!(error < norm) || !isfinite(norm))
+        if (certain > 0) {
+            double logarithm = (log2(certain / (double)n) + scale) / exponent; /* good to a few u of itself */
+            *lower = fmax(*lower, exp2(logarithm) * (1 - 8 * UNIT * (4 + fabs(logarithm))));
+        }
+        if (!(error < norm) || !isfinite(norm) || work + cost > MOST_TRACE_WORK)
             break;
         error = multiply_enclosed(power, norm, error, power, norm, error, n, n, n, next);
         int shift = 0;
@@ -279,12 +297,14 @@ static bool traces_bound(const double *a, size_t n, double error, struct arena *
     return true;
 }
 
-/* Order 2: the roots of x² - t x + d. ρ >= |t|/2 and ρ >= sqrt |d| hold always, so a double root costs nothing. */
+/* Order 2: the roots of x² - t x + d. ρ >= |t|/2 and ρ >= sqrt |d| hold always, so a double root costs
+ * nothing. */
 static void quadratic_bound(const double *a, double error, double *lower, double *upper)
 {
     double t = a[0] + a[3], sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]) + fabs(a[3]);
     double d = a[0] * a[3] - a[1] * a[2];
-    double off_t = 2 * error + 2 * UNIT * sum, off_d = error * (sum + 2 * error) + 2 * UNIT * sum * sum;
+    double off_t = 2 * error + 2 * UNIT * (fabs(a[0]) + fabs(a[3]));
+    double off_d = error * (sum + 2 * error) + 4 * UNIT * (fabs(a[0] * a[3]) + fabs(a[1] * a[2])) + UNDERFLOW;
     double low_t = fmax(fabs(t) - off_t, 0), high_t = fabs(t) + off_t;
     double low_d = fmax(fabs(d) - off_d, 0);
     double low_q = low_t * low_t - 4 * (d + off_d) - 8 * UNIT * (t * t + 4 * fabs(d));
@@ -315,6 +335,8 @@ int spectral_radius_enclose(const double *a, size_t size, double error, struct a
         quadratic_bound(a, error, lower, upper);
     if (!traces_bound(a, size, error, arena, lower))
         return 0;
+    if (size > MOST_DIAGONAL)
+        return 1;
     struct diagonalization d = {.size = size};
     double *copy = arena_grow(arena, a, size * size, size * size, sizeof *copy);
     double *numbers = arena_new(arena, 3 * size, sizeof *numbers);
@@ -338,10 +360,9 @@ int spectral_radius_enclose(const double *a, size_t size, double error, struct a
         for (size_t k = 0; k < size && clusters; k++)
             for (size_t i = 0; i < size; i++)
                 d.x[i * size + k] *= cluster_scale(&d, k);
-        double extra = discs_find(&d, a, norm, error);
-        if (extra < 0)
+        if (!discs_find(&d, a, norm, error, numbers + 2 * size))
             continue;
-        discs_bound(&d, extra, numbers + 2 * size, joined, &low, &high);
+        discs_bound(&d, numbers + 2 * size, joined, &low, &high);
         *lower = fmax(*lower, low);
         *upper = fmin(*upper, high);
     }

@@ -1,4 +1,5 @@
-/* Joint block: the irreducible parts of a family, and what is tried on each. For joint_radius.c and its kind only. */
+/* Joint block: the irreducible parts of a family, and what is tried on each. For joint_radius.c and its kind
+ * only. */
 #ifndef NUMERIC_JOINT_BLOCK_H
 #define NUMERIC_JOINT_BLOCK_H
 
@@ -16,14 +17,14 @@ struct block {
     size_t node_count, edge_count;
     const size_t *dimensions;
     struct block_edge *edges;
-    const size_t *first; /* edges leaving node x: first[x] … first[x + 1] - 1 */
+    const size_t *first;   /* edges leaving node x: first[x] … first[x + 1] - 1 */
     size_t total, largest; /* sum and maximum of the dimensions */
 };
 
 enum { CANDIDATES_MOST = 8 };
 
-/* Closed paths, none a rotation or power of another, and the spectral radius of their products per map, computed
- * without a certificate: the largest that is known, and those that tie with the first of them. */
+/* Closed paths, none a rotation or power of another, and the spectral radius of their products per map,
+ * computed without a certificate: the largest that is known, and those that tie with the first of them. */
 struct candidate {
     size_t count;
     double radius;
@@ -37,8 +38,8 @@ struct tree_outcome {
     size_t length;
 };
 
-/* Gripenberg's branch and bound with the row norm of the block's basis. `work`: multiplications that may be spent;
- * `sharp`: relative gap that is good enough. */
+/* Gripenberg's branch and bound with the row norm of the block's basis. `work`: multiplications that may be
+ * spent; `sharp`: relative gap that is good enough. */
 bcifs_status block_search(const struct block *block, double work, double sharp, struct arena *arena,
                           struct candidate *candidate, struct tree_outcome *outcome);
 
@@ -46,8 +47,9 @@ bcifs_status block_search(const struct block *block, double work, double sharp, 
 double *block_product(const struct block *block, const size_t *edges, size_t length, struct arena *arena,
                       double *error);
 
-/* An invariant polytope for the candidate. `upper` is a bound of the block's radius, infinite when none was found;
- * `strict`: every image but those that define a vertex is strictly inside, so that the radius is the candidate's. */
+/* An invariant polytope for the candidate. `upper` is a bound of the block's radius, infinite when none was
+ * found; `strict`: every image but those that define a vertex is strictly inside, so that the radius is the
+ * candidate's. */
 struct polytope_outcome {
     double upper;
     bool strict;

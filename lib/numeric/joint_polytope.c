@@ -1,15 +1,15 @@
-/* Invariant polytopes: N. Guglielmi and V. Protasov, Exact computation of joint spectral characteristics of linear
- * operators (2013).
+/* Invariant polytopes: N. Guglielmi and V. Protasov, Exact computation of joint spectral characteristics of
+ * linear operators (2013).
  *
- * At every node x stands the absolutely convex hull P_x of vertices v: all Σ c v with Σ |c| <= 1. When every matrix
- * A : R^y → R^x of the block takes every vertex of P_y into κ P_x, the hulls are unit balls of norms in which no
- * matrix is longer than κ, so the radius is at most κ. The vertices are the leading eigenvectors of the candidate's
- * product and its cyclic shifts, and their images divided by the candidate's radius, as long as these lie outside.
- * With a complex leading eigenvalue the coefficients c are complex (balanced complex polytopes, Guglielmi and
- * Zennaro, 2007).
+ * At every node x stands the absolutely convex hull P_x of vertices v: all Σ c v with Σ |c| <= 1. When every
+ * matrix A : R^y → R^x of the block takes every vertex of P_y into κ P_x, the hulls are unit balls of norms
+ * in which no matrix is longer than κ, so the radius is at most κ. The vertices are the leading eigenvectors
+ * of the candidate's product and its cyclic shifts, and their images divided by the candidate's radius, as
+ * long as these lie outside. With a complex leading eigenvalue the coefficients c are complex (balanced
+ * complex polytopes, Guglielmi and Zennaro, 2007).
  *
- * Which vertices there are, and by which coefficients an image is written, is found without any care for rounding.
- * The certificate is what is computed from them at the end: see certify. */
+ * Which vertices there are, and by which coefficients an image is written, is found without any care for
+ * rounding. The certificate is what is computed from them at the end: see certify. */
 #include "joint_block.h"
 
 #include <complex.h>
@@ -24,8 +24,10 @@
 
 enum { MOST_VERTICES = 4000, MOST_PIVOTS = 400, FRESH_PIVOTS = 40 };
 
-static const double ARTIFICIAL_COST = 1e5; /* of leaving the span of the vertices; true coefficients stay below */
-static const double THICKNESS = 1e-2; /* of the hulls, before anything is known; the cycles' vertices have size 1 */
+static const double ARTIFICIAL_COST =
+    1e5; /* of leaving the span of the vertices; true coefficients stay below */
+static const double THICKNESS =
+    1e-2; /* of the hulls, before anything is known; the cycles' vertices have size 1 */
 static const size_t ARTIFICIAL = SIZE_MAX;
 
 /* Coefficient re + i im of a vertex. */
@@ -34,12 +36,14 @@ struct term {
     double re, im;
 };
 
-/* P_x in real coordinates: `width` is dimension (real) or twice that (complex: real parts, then imaginary ones). */
+/* P_x in real coordinates: `width` is dimension (real) or twice that (complex: real parts, then imaginary
+ * ones). */
 struct hull {
     size_t dimension, width;
     double *vertices; /* count × width */
     size_t count, capacity;
-    /* The last basis of the linear program: `width` columns, phase times vertex, and the inverse of their matrix. */
+    /* The last basis of the linear program: `width` columns, phase times vertex, and the inverse of their
+     * matrix. */
     struct term *basis;
     double *columns; /* width × width, column j in row j */
     double *inverse; /* width × width */
@@ -52,6 +56,7 @@ struct image {
     size_t edge, vertex;
     struct term *terms;
     size_t count;
+    bool defines; /* a vertex, the only term */
 };
 
 struct polytope {
@@ -61,12 +66,13 @@ struct polytope {
     bool complex_case;
     struct hull *hulls;
     size_t *entering, *first_entering; /* edges by the node they lead to */
-    struct { size_t node, vertex; } *queue;
+    struct {
+        size_t node, vertex;
+    } * queue;
     size_t queue_count, queue_capacity;
     struct image *images;
     size_t image_count, image_capacity;
     double work, most_work;
-    bool strict;
 };
 
 /* ---- The gauge of a vector ----------------------------------------------------------------------------- */
@@ -225,8 +231,8 @@ static bool pivot(struct hull *hull, const struct term *term, double *column)
     return true;
 }
 
-/* The least Σ |c| with Σ c v = w, by the simplex method with columns generated as they are priced. Stops early when
- * it is surely above `outside`. Leaves the coefficients in the basis. */
+/* The least Σ |c| with Σ c v = w, by the simplex method with columns generated as they are priced. Stops
+ * early when it is surely above `outside`. Leaves the coefficients in the basis. */
 static double gauge(struct polytope *polytope, struct hull *hull, const double *w, double outside,
                     double *workspace)
 {
@@ -268,7 +274,8 @@ static bcifs_status vertex_add(struct polytope *polytope, size_t node, const dou
     size_t n = hull->width;
     if (hull->count == hull->capacity) {
         size_t capacity = hull->capacity ? 2 * hull->capacity : 16;
-        double *larger = arena_grow(polytope->arena, hull->vertices, hull->count * n, capacity * n, sizeof *larger);
+        double *larger =
+            arena_grow(polytope->arena, hull->vertices, hull->count * n, capacity * n, sizeof *larger);
         if (!larger)
             return BCIFS_MEMORY;
         hull->vertices = larger;
@@ -283,11 +290,11 @@ static bcifs_status vertex_add(struct polytope *polytope, size_t node, const dou
     return BCIFS_OK;
 }
 
-static bcifs_status image_add(struct polytope *polytope, size_t edge, size_t vertex, struct term *terms, size_t count)
+static bcifs_status image_add(struct polytope *polytope, struct image image)
 {
     if (!ARENA_RESERVE(polytope->arena, polytope->images, polytope->image_count, polytope->image_capacity))
         return BCIFS_MEMORY;
-    polytope->images[polytope->image_count++] = (struct image){edge, vertex, terms, count};
+    polytope->images[polytope->image_count++] = image;
     return BCIFS_OK;
 }
 
@@ -295,7 +302,18 @@ static bcifs_status image_add(struct polytope *polytope, size_t edge, size_t ver
 static bcifs_status image_single(struct polytope *polytope, size_t edge, size_t vertex, struct term term)
 {
     struct term *terms = arena_grow(polytope->arena, &term, 1, 1, sizeof *terms);
-    return terms ? image_add(polytope, edge, vertex, terms, 1) : BCIFS_MEMORY;
+    return terms ? image_add(polytope, (struct image){edge, vertex, terms, 1, true}) : BCIFS_MEMORY;
+}
+
+/* What the last gauge was made of: at most `width` terms. */
+static size_t basis_terms(const struct hull *hull, struct term *terms)
+{
+    size_t count = 0;
+    for (size_t j = 0; j < hull->width; j++)
+        if (hull->basis[j].vertex != ARTIFICIAL && hull->amounts[j] > 0)
+            terms[count++] = (struct term){hull->basis[j].vertex, hull->amounts[j] * hull->basis[j].re,
+                                           hull->amounts[j] * hull->basis[j].im};
+    return count;
 }
 
 /* The image as the last gauge wrote it. */
@@ -303,14 +321,10 @@ static bcifs_status image_from_basis(struct polytope *polytope, size_t edge, siz
 {
     const struct hull *hull = &polytope->hulls[polytope->block->edges[edge].from];
     struct term *terms = arena_new(polytope->arena, hull->width, sizeof *terms);
-    size_t count = 0;
     if (!terms)
         return BCIFS_MEMORY;
-    for (size_t j = 0; j < hull->width; j++)
-        if (hull->basis[j].vertex != ARTIFICIAL && hull->amounts[j] > 0)
-            terms[count++] = (struct term){hull->basis[j].vertex, hull->amounts[j] * hull->basis[j].re,
-                                           hull->amounts[j] * hull->basis[j].im};
-    return image_add(polytope, edge, vertex, terms, count);
+    size_t count = basis_terms(hull, terms);
+    return image_add(polytope, (struct image){edge, vertex, terms, count, false});
 }
 
 /* result = A v / radius, v a vertex of the edge's end. */
@@ -328,8 +342,8 @@ static void image_compute(const struct polytope *polytope, size_t edge, const do
 }
 
 /* The leading eigenvector of the product, re and im (size each) by inverse iteration, scaled to maximum 1. */
-static bcifs_status eigenvector_find(const double *product, size_t size, struct arena *arena, double complex *value,
-                                     double *vector)
+static bcifs_status eigenvector_find(const double *product, size_t size, struct arena *arena,
+                                     double complex *value, double *vector)
 {
     double *copy = arena_grow(arena, product, size * size, size * size + 2 * size, sizeof *copy);
     double complex *m = arena_new(arena, size * size + size, sizeof *m);
@@ -362,8 +376,8 @@ static bcifs_status eigenvector_find(const double *product, size_t size, struct 
     return BCIFS_OK;
 }
 
-/* The eigenvectors along one closed path, as first vertices; the last image closes the cycle. Where the eigenvalue is
- * not real its conjugate leads as well, with the conjugate eigenvectors. */
+/* The eigenvectors along one closed path, as first vertices; the last image closes the cycle. Where the
+ * eigenvalue is not real its conjugate leads as well, with the conjugate eigenvectors. */
 static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, size_t length, bool conjugate)
 {
     const struct block *block = polytope->block;
@@ -383,8 +397,8 @@ static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, siz
     vertex = start;
     for (size_t k = length; k-- > 1 && status == BCIFS_OK;) {
         size_t before = vertex;
-        image_compute(polytope, path[k], polytope->hulls[node].vertices + vertex * polytope->hulls[node].width,
-                      image);
+        image_compute(polytope, path[k],
+                      polytope->hulls[node].vertices + vertex * polytope->hulls[node].width, image);
         node = block->edges[path[k]].from;
         status = vertex_add(polytope, node, image, &vertex);
         if (status == BCIFS_OK)
@@ -397,8 +411,8 @@ static bcifs_status cycle_add(struct polytope *polytope, const size_t *path, siz
     return status;
 }
 
-/* Small vertices along the axes. Hulls of long cycles are thin: errors of 1e-11 in a map would lead out of them by
- * more than their thickness. */
+/* Small vertices along the axes. Hulls of long cycles are thin: errors of 1e-11 in a map would lead out of
+ * them by more than their thickness. */
 static bcifs_status axes_add(struct polytope *polytope)
 {
     for (size_t x = 0; x < polytope->block->node_count; x++)
@@ -423,7 +437,8 @@ static bool is_accounted(const struct polytope *polytope, size_t known, size_t e
     return false;
 }
 
-/* Writes every image of every vertex in vertices, adding those images that lie outside while there is room. */
+/* Writes every image of every vertex in vertices, adding those images that lie outside while there is room.
+ */
 static bcifs_status images_account(struct polytope *polytope, double slack, double *workspace)
 {
     size_t known = polytope->image_count; /* of the cycles */
@@ -437,14 +452,13 @@ static bcifs_status images_account(struct polytope *polytope, double slack, doub
             if (is_accounted(polytope, known, edge, vertex))
                 continue;
             image_compute(polytope, edge, source->vertices + vertex * source->width, workspace);
-            double size = gauge(polytope, target, workspace, room ? 1 + slack : INFINITY,
-                                workspace + target->width);
+            double size =
+                gauge(polytope, target, workspace, room ? 1 + slack : INFINITY, workspace + target->width);
             if (size > 1 + slack && room) {
                 status = vertex_add(polytope, from, workspace, &fresh);
                 if (status == BCIFS_OK)
                     status = image_single(polytope, edge, vertex, (struct term){fresh, 1, 0});
             } else {
-                polytope->strict = polytope->strict && size <= 1 - TOLERANCE_INSIDE;
                 status = image_from_basis(polytope, edge, vertex);
             }
             if (status || polytope->work > 2 * polytope->most_work)
@@ -456,40 +470,69 @@ static bcifs_status images_account(struct polytope *polytope, double slack, doub
 
 /* ---- The certificate ----------------------------------------------------------------------------------- */
 
-/* μ with gauge(r) <= μ max |r_i| for every r. The basis columns C are multiples |c| <= 1 + 4u of vertices up to
- * rounding δ; with W ≈ C^-1 and |I - C W| <= η, r = C W r + (I - C W) r gives gauge(r) <= |W r|_1 + η μ max |r_i|. */
-static double gauge_constant(struct hull *hull, double *workspace)
+/* rest <- rest - scale Σ c v. Returns a bound of the gauge of scale Σ c v, and in `size` one of the absolute
+ * terms that an entry adds up. */
+static double combination_subtract(const struct hull *hull, const struct term *terms, size_t count,
+                                   double scale, double *rest, double *size)
 {
-    size_t n = hull->width;
-    double largest = 0;
-    for (size_t j = 0; j < n; j++)
-        if (hull->basis[j].vertex == ARTIFICIAL)
-            return INFINITY;
-    if (!hull_invert(hull, workspace))
-        return INFINITY;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
-            workspace[i * n + j] = hull->columns[j * n + i];
-            largest = fmax(largest, fabs(hull->columns[j * n + i]));
+    size_t n = hull->width, d = hull->dimension;
+    double sum = 0;
+    for (size_t k = 0; k < count; k++) {
+        const double *u = hull->vertices + terms[k].vertex * n;
+        double re = terms[k].re * scale, im = terms[k].im * scale, largest = 0;
+        for (size_t i = 0; i < d; i++) {
+            rest[i] -= n > d ? re * u[i] - im * u[d + i] : re * u[i];
+            if (n > d)
+                rest[d + i] -= im * u[i] + re * u[d + i];
         }
-    double norm = row_norm(hull->inverse, n, n), *product = workspace + n * n;
-    double error = multiply_enclosed(workspace, row_norm(workspace, n, n), 0, hull->inverse, norm, 0, n, n, n, product);
-    for (size_t i = 0; i < n; i++)
-        product[i * n + i] -= 1;
-    double reach = round_up((double)n * norm, 4);
-    double eta = row_norm(product, n, n) + error + reach * 16 * DBL_EPSILON * largest;
-    return eta < 0.5 ? round_up(reach / (1 - eta), 8) * (1 + 8 * DBL_EPSILON) : INFINITY;
+        for (size_t i = 0; i < n; i++)
+            largest = fmax(largest, fabs(u[i]));
+        sum += hypot(terms[k].re, terms[k].im);
+        *size += (fabs(re) + fabs(im)) * largest;
+    }
+    return round_up(scale * round_up(sum, 4 * count), 2);
 }
 
-/* A bound of the gauge of A v: radius Σ |c| for the vertices, μ max |r_i| for the rest r = A v - radius Σ c v. */
-static double image_bound(const struct polytope *polytope, const struct image *image, const double *mu, double *rest)
+/* A bound of what is left: the largest entry, and its rounding when every entry is a sum of `operations`
+ * products whose absolute values add up to at most `size`. */
+static double rest_bound(const double *rest, size_t n, size_t operations, double size)
+{
+    double largest = 0;
+    for (size_t i = 0; i < n; i++)
+        largest = fabs(rest[i]) <= largest ? largest : fabs(rest[i]); /* keeps a NaN */
+    return round_up(largest + (double)operations * DBL_EPSILON * size, 4);
+}
+
+/* μ with gauge(r) <= μ max |r_i|: the sum of the gauges of the axes, each found like any other and bounded by
+ * means of the small vertices along the axes themselves, gauge(r) <= Σ |r_i| / THICKNESS. */
+static double reach_find(struct polytope *polytope, struct hull *hull, double *workspace, struct term *terms)
+{
+    size_t n = hull->width, d = hull->dimension;
+    double turn = n > d ? 1.4143 : 1; /* |r_i| <= sqrt 2 max(|Re r_i|, |Im r_i|) */
+    double coarse = round_up(turn * (double)d / THICKNESS, 4), reach = 0;
+    for (size_t i = 0; i < d; i++) {
+        double *axis = workspace, size = 1;
+        memset(axis, 0, n * sizeof *axis);
+        axis[i] = 1;
+        gauge(polytope, hull, axis, INFINITY, workspace + n);
+        size_t count = basis_terms(hull, terms);
+        double sum = combination_subtract(hull, terms, count, 1, axis, &size);
+        reach += fmin(sum + coarse * rest_bound(axis, n, 4 * count + 8, size), 1 / THICKNESS);
+    }
+    return round_up(turn * reach, 2 * d);
+}
+
+/* A bound of the gauge of A v: radius Σ |c| for the vertices, μ max |r_i| for the rest r = A v - radius Σ c
+ * v. */
+static double image_bound(const struct polytope *polytope, const struct image *image, double reach,
+                          double *rest)
 {
     const struct block_edge *e = &polytope->block->edges[image->edge];
     const struct hull *target = &polytope->hulls[e->from], *source = &polytope->hulls[e->to];
-    size_t rows = target->dimension, columns = source->dimension, n = target->width;
+    size_t rows = target->dimension, columns = source->dimension;
     const double *v = source->vertices + image->vertex * source->width;
-    double sum = 0, size = 0, largest = 0, size_v = 0;
-    for (size_t part = 0; part < n / rows; part++)
+    double largest = 0;
+    for (size_t part = 0; part < target->width / rows; part++)
         for (size_t i = 0; i < rows; i++) {
             double entry = 0;
             for (size_t j = 0; j < columns; j++)
@@ -497,50 +540,43 @@ static double image_bound(const struct polytope *polytope, const struct image *i
             rest[part * rows + i] = entry;
         }
     for (size_t j = 0; j < source->width; j++)
-        size_v = fmax(size_v, fabs(v[j]));
-    for (size_t k = 0; k < image->count; k++) {
-        const struct term *term = &image->terms[k];
-        const double *u = target->vertices + term->vertex * n;
-        double re = term->re * polytope->radius, im = term->im * polytope->radius, size_u = 0;
-        for (size_t i = 0; i < rows; i++) {
-            if (n > rows) {
-                rest[i] -= re * u[i] - im * u[rows + i];
-                rest[rows + i] -= im * u[i] + re * u[rows + i];
-            } else {
-                rest[i] -= re * u[i];
-            }
-        }
-        for (size_t i = 0; i < n; i++)
-            size_u = fmax(size_u, fabs(u[i]));
-        sum += hypot(term->re, term->im);
-        size += (fabs(re) + fabs(im)) * size_u;
-    }
-    for (size_t i = 0; i < n; i++)
-        largest = fmax(largest, fabs(rest[i]));
-    /* Each entry is a sum of fewer than columns + 2 count + 2 products, in any order: γ times Σ |terms|. */
-    double operations = (double)(columns + 4 * image->count + 8);
-    double rounding = operations * DBL_EPSILON * (e->norm * size_v + size) + e->error * size_v;
-    return round_up(polytope->radius * round_up(sum, 4 * image->count) +
-                        mu[e->from] * round_up(largest + rounding, 4), 4);
+        largest = fmax(largest, fabs(v[j]));
+    double size = e->norm * largest;
+    double sum = combination_subtract(target, image->terms, image->count, polytope->radius, rest, &size);
+    double left = rest_bound(rest, target->width, columns + 4 * image->count + 8, size) + e->error * largest;
+    return round_up(sum + round_up(reach * left, 4), 2);
 }
 
-/* κ: the largest gauge of an image. All images are accounted for, or there is no certificate. */
-static bcifs_status certify(struct polytope *polytope, double *workspace, double *upper)
+/* κ: the largest gauge of an image. All images are accounted for, or there is no certificate. `strict`: those
+ * that define no vertex are inside by TOLERANCE_INSIDE. */
+static bcifs_status certify(struct polytope *polytope, double *workspace, struct polytope_outcome *outcome)
 {
     const struct block *block = polytope->block;
-    double *mu = arena_new(polytope->arena, block->node_count, sizeof *mu);
     size_t wanted = 0;
-    *upper = 0;
-    if (!mu)
-        return BCIFS_MEMORY;
-    for (size_t x = 0; x < block->node_count; x++)
-        mu[x] = gauge_constant(&polytope->hulls[x], workspace);
     for (size_t e = 0; e < block->edge_count; e++)
         wanted += polytope->hulls[block->edges[e].to].count;
-    for (size_t i = 0; i < polytope->image_count; i++)
-        *upper = fmax(*upper, image_bound(polytope, &polytope->images[i], mu, workspace));
-    if (polytope->image_count < wanted || !isfinite(*upper))
-        *upper = INFINITY;
+    for (size_t x = 0; x < block->node_count; x++)
+        outcome->vertices += polytope->hulls[x].count;
+    if (polytope->image_count < wanted)
+        return BCIFS_OK;
+    double *reach = arena_new(polytope->arena, block->node_count, sizeof *reach);
+    struct term *terms = arena_new(polytope->arena, 2 * block->largest, sizeof *terms);
+    if (!reach || !terms)
+        return BCIFS_MEMORY;
+    for (size_t x = 0; x < block->node_count; x++)
+        reach[x] = reach_find(polytope, &polytope->hulls[x], workspace, terms);
+    outcome->upper = 0;
+    outcome->strict = true;
+    for (size_t i = 0; i < polytope->image_count; i++) {
+        const struct image *image = &polytope->images[i];
+        double bound = image_bound(polytope, image, reach[block->edges[image->edge].from], workspace);
+        outcome->upper =
+            bound <= outcome->upper ? outcome->upper : bound; /* a NaN is kept, and proves nothing */
+        if (!image->defines && !(bound <= polytope->radius * (1 - TOLERANCE_INSIDE)))
+            outcome->strict = false;
+    }
+    if (!(outcome->upper < INFINITY))
+        *outcome = (struct polytope_outcome){.upper = INFINITY, .vertices = outcome->vertices};
     return BCIFS_OK;
 }
 
@@ -602,8 +638,8 @@ static bcifs_status eigenvalue_is_complex(const struct block *block, const struc
 bcifs_status block_polytope(const struct block *block, const struct candidate *candidate, double work,
                             struct arena *arena, struct polytope_outcome *outcome)
 {
-    struct polytope polytope = {.block = block, .arena = arena, .radius = candidate->radius, .most_work = work,
-                                .strict = true};
+    struct polytope polytope = {
+        .block = block, .arena = arena, .radius = candidate->radius, .most_work = work};
     size_t width = 2 * block->largest;
     double *workspace = arena_new(arena, 2 * width * width + 4 * width, sizeof *workspace);
     *outcome = (struct polytope_outcome){.upper = INFINITY};
@@ -622,9 +658,6 @@ bcifs_status block_polytope(const struct block *block, const struct candidate *c
     if (status == BCIFS_OK)
         status = images_account(&polytope, TOLERANCE_JOINT, workspace);
     if (status == BCIFS_OK)
-        status = certify(&polytope, workspace, &outcome->upper);
-    outcome->strict = polytope.strict && isfinite(outcome->upper);
-    for (size_t x = 0; x < block->node_count; x++)
-        outcome->vertices += polytope.hulls ? polytope.hulls[x].count : 0;
+        status = certify(&polytope, workspace, outcome);
     return status;
 }

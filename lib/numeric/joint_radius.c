@@ -12,11 +12,12 @@
 #include "numeric/tolerance.h"
 
 enum {
-    MOST_ENTRIES = 1 << 24,   /* entries of all matrices that are not zero */
-    MOST_ELLIPSOID = 64,      /* total dimension up to which ellipsoids and polytopes are tried */
+    MOST_ENTRIES = 1 << 24, /* entries of all matrices that are not zero */
+    MOST_ELLIPSOID = 64,    /* total dimension up to which ellipsoids and polytopes are tried */
     ELLIPSOID_STEPS = 300
 };
-static const double WORK_FIRST = 4e6, WORK_TREE = 2e7, WORK_POLYTOPE = 4e7; /* multiplications, times the effort */
+static const double WORK_FIRST = 4e6, WORK_TREE = 2e7,
+                    WORK_POLYTOPE = 4e7; /* multiplications, times the effort */
 
 struct solution {
     double lower, upper;
@@ -29,16 +30,16 @@ struct solution {
 
 /* ---- Irreducible blocks -------------------------------------------------------------------------------- */
 
-/* The graph of coordinates: (x, i) → (y, j) when some edge x → y has an entry (i, j) that may differ from 0. A family
- * is block triangular along its strongly connected components, whatever the order of the coordinates, and its radius
- * is the largest of theirs. */
+/* The graph of coordinates: (x, i) → (y, j) when some edge x → y has an entry (i, j) that may differ from 0.
+ * A family is block triangular along its strongly connected components, whatever the order of the
+ * coordinates, and its radius is the largest of theirs. */
 struct coordinates {
     const struct joint_family *family;
     size_t count;
-    size_t *base;      /* first coordinate of each node */
-    size_t *node;      /* of each coordinate */
+    size_t *base;        /* first coordinate of each node */
+    size_t *node;        /* of each coordinate */
     size_t *first, *arc; /* adjacency */
-    size_t *component; /* of each coordinate */
+    size_t *component;   /* of each coordinate */
     size_t component_count;
 };
 
@@ -140,9 +141,11 @@ static bcifs_status components_find(struct coordinates *c, struct arena *arena)
     return BCIFS_OK;
 }
 
-/* The part of an edge between coordinates of one component; false when it is zero. `rows`, `columns` list them. */
+/* The part of an edge between coordinates of one component; false when it is zero. `rows`, `columns` list
+ * them. */
 static bool edge_restrict(const struct joint_edge *edge, size_t width, const size_t *rows, size_t row_count,
-                          const size_t *columns, size_t column_count, double *matrix, struct block_edge *result)
+                          const size_t *columns, size_t column_count, double *matrix,
+                          struct block_edge *result)
 {
     bool is_zero = true;
     double error = 0;
@@ -228,14 +231,15 @@ static bcifs_status block_make(const struct coordinates *c, const size_t *member
 
 /* ---- Ellipsoids ---------------------------------------------------------------------------------------- */
 
-/* The same block in the bases R_x: matrices R_x A R_y^-1, with R upper triangular. With R Y = I - G, |G| <= η,
- * R^-1 = Y (I - G)^-1. False with status BCIFS_OK: some R is too ill conditioned. */
+/* The same block in the bases R_x: matrices R_x A R_y^-1, with R upper triangular. With R Y = I - G, |G| <=
+ * η, R^-1 = Y (I - G)^-1. False with status BCIFS_OK: some R is too ill conditioned. */
 static bcifs_status block_transform(const struct block *block, double *const *r, struct arena *arena,
                                     struct block *result, bool *good)
 {
     double **inverse = arena_new(arena, block->node_count, sizeof *inverse);
     double *eta = arena_new(arena, block->node_count, sizeof *eta);
-    struct block_edge *edges = arena_grow(arena, block->edges, block->edge_count, block->edge_count, sizeof *edges);
+    struct block_edge *edges =
+        arena_grow(arena, block->edges, block->edge_count, block->edge_count, sizeof *edges);
     double *workspace = arena_new(arena, block->largest * block->largest, sizeof *workspace);
     if (!inverse || !eta || !edges || !workspace)
         return BCIFS_MEMORY;
@@ -252,8 +256,8 @@ static bcifs_status block_transform(const struct block *block, double *const *r,
                     sum -= r[x][i * n + k] * y[k * n + j];
                 y[i * n + j] = sum / r[x][i * n + i];
             }
-        double error = multiply_enclosed(r[x], row_norm(r[x], n, n), 0, y, row_norm(y, n, n), 0, n, n, n,
-                                         workspace);
+        double error =
+            multiply_enclosed(r[x], row_norm(r[x], n, n), 0, y, row_norm(y, n, n), 0, n, n, n, workspace);
         for (size_t i = 0; i < n; i++)
             workspace[i * n + i] -= 1; /* exact, or rounded far below `error` */
         eta[x] = round_up(row_norm(workspace, n, n) + error + DBL_EPSILON, 2);
@@ -266,8 +270,8 @@ static bcifs_status block_transform(const struct block *block, double *const *r,
         double *matrix = arena_new(arena, rows * columns, sizeof *matrix);
         if (!matrix)
             return BCIFS_MEMORY;
-        double error = multiply_enclosed(left, row_norm(left, rows, rows), 0, edge->matrix, edge->norm, edge->error,
-                                         rows, rows, columns, workspace);
+        double error = multiply_enclosed(left, row_norm(left, rows, rows), 0, edge->matrix, edge->norm,
+                                         edge->error, rows, rows, columns, workspace);
         error = multiply_enclosed(workspace, row_norm(workspace, rows, columns), error, right,
                                   row_norm(right, columns, columns), 0, rows, columns, columns, matrix);
         edge->matrix = matrix;
@@ -314,8 +318,8 @@ static void congruence_add(const double *a, const double *q, size_t rows, size_t
         }
 }
 
-/* The quadratic forms that Σ_e A_e^T Q_from A_e reproduces up to a factor: where all maps are similarities (von
- * Koch's, the dragon's) the form that they preserve, so that its ellipsoids give the radius exactly. */
+/* The quadratic forms that Σ_e A_e^T Q_from A_e reproduces up to a factor: where all maps are similarities
+ * (von Koch's, the dragon's) the form that they preserve, so that its ellipsoids give the radius exactly. */
 static bcifs_status forms_find(const struct block *block, struct arena *arena, double ***forms)
 {
     double **q = arena_new(arena, block->node_count, sizeof *q);
@@ -338,8 +342,8 @@ static bcifs_status forms_find(const struct block *block, struct arena *arena, d
             memset(next[x], 0, block->dimensions[x] * block->dimensions[x] * sizeof **next);
         for (size_t e = 0; e < block->edge_count; e++) {
             const struct block_edge *edge = &block->edges[e];
-            congruence_add(edge->matrix, q[edge->from], block->dimensions[edge->from], block->dimensions[edge->to],
-                           next[edge->to], workspace);
+            congruence_add(edge->matrix, q[edge->from], block->dimensions[edge->from],
+                           block->dimensions[edge->to], next[edge->to], workspace);
         }
         for (size_t x = 0; x < block->node_count; x++)
             for (size_t i = 0, n = block->dimensions[x]; i < n; i++) {
@@ -369,8 +373,8 @@ static bcifs_status euclidean_bound(const struct block *block, struct arena *are
         for (size_t i = 0; i < rows; i++)
             for (size_t j = 0; j < columns; j++)
                 transpose[j * rows + i] = edge->matrix[i * columns + j];
-        double error = multiply_enclosed(transpose, row_norm(transpose, columns, rows), 0, edge->matrix, edge->norm,
-                                         0, columns, rows, columns, gram);
+        double error = multiply_enclosed(transpose, row_norm(transpose, columns, rows), 0, edge->matrix,
+                                         edge->norm, 0, columns, rows, columns, gram);
         if (!spectral_radius_enclose(gram, columns, error, arena, &low, &high))
             return BCIFS_MEMORY;
         /* The error in the row norm is one of at most sqrt(rows) times that in the spectral norm. */
@@ -506,8 +510,8 @@ static bcifs_status polytope_try(const struct block *block, const struct candida
     return status;
 }
 
-/* From cheap to dear, until the bounds meet. The tree comes first because it finds the candidate that the polytope
- * needs; a longer tree may find a better one. */
+/* From cheap to dear, until the bounds meet. The tree comes first because it finds the candidate that the
+ * polytope needs; a longer tree may find a better one. */
 static bcifs_status search_solve(const struct block *block, double effort, struct arena *arena,
                                  struct solution *solution)
 {
@@ -545,7 +549,8 @@ static bcifs_status block_solve(const struct block *block, double effort, struct
         status = cycle_solve(block, arena, solution);
     else
         status = search_solve(block, effort, arena, solution);
-    solution->exact = solution->exact || solution->method == JOINT_CLOSED || is_closed(solution, TOLERANCE_EXACT);
+    solution->exact =
+        (solution->exact && is_closed(solution, TOLERANCE_INSIDE)) || is_closed(solution, TOLERANCE_EXACT);
     return status;
 }
 
@@ -596,8 +601,8 @@ static size_t *members_list(const struct coordinates *c, struct arena *arena, si
 static bcifs_status family_scale(const struct joint_family *family, struct arena *arena,
                                  struct joint_family *scaled, int *shift)
 {
-    struct joint_edge *edges = arena_grow(arena, family->edges, family->edge_count, family->edge_count,
-                                          sizeof *edges);
+    struct joint_edge *edges =
+        arena_grow(arena, family->edges, family->edge_count, family->edge_count, sizeof *edges);
     double largest = 0;
     if (!edges)
         return BCIFS_MEMORY;
@@ -609,7 +614,8 @@ static bcifs_status family_scale(const struct joint_family *family, struct arena
     frexp(largest, shift);
     for (size_t e = 0; e < family->edge_count; e++) {
         size_t count = family->dimensions[edges[e].from] * family->dimensions[edges[e].to];
-        double *matrix = arena_new(arena, count, sizeof *matrix), *error = arena_new(arena, count, sizeof *error);
+        double *matrix = arena_new(arena, count, sizeof *matrix),
+               *error = arena_new(arena, count, sizeof *error);
         if (!matrix || !error)
             return BCIFS_MEMORY;
         for (size_t i = 0; i < count; i++) {
@@ -637,8 +643,8 @@ static bcifs_status component_solve(const struct coordinates *c, const size_t *m
     if (status == BCIFS_OK)
         status = block_solve(&block, effort, &own, solution);
     if (status == BCIFS_OK) {
-        solution->edges = arena_grow(arena, solution->edges, solution->length, solution->length,
-                                     sizeof *solution->edges);
+        solution->edges =
+            arena_grow(arena, solution->edges, solution->length, solution->length, sizeof *solution->edges);
         status = solution->edges ? BCIFS_OK : BCIFS_MEMORY;
     }
     arena_free(&own);

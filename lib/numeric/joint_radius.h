@@ -1,12 +1,12 @@
 /* Joint radius: certified bounds of the joint spectral radius of a constrained family of matrices.
  *
  * The family is a directed graph: its nodes have dimensions, its edges carry matrices, dimension(from) ×
- * dimension(to), that are multiplied along paths. The joint spectral radius is the limit, over ever longer paths, of
- * the largest norm of a product to the power 1/length (Rota and Strang, 1960; for graphs, Dai, 2012). One node makes
- * it the usual one; no cycle makes it 0.
+ * dimension(to), that are multiplied along paths. The joint spectral radius is the limit, over ever longer
+ * paths, of the largest norm of a product to the power 1/length (Rota and Strang, 1960; for graphs, Dai,
+ * 2012). One node makes it the usual one; no cycle makes it 0.
  *
- * Both bounds hold in exact arithmetic, for every family whose entries lie within the stated errors of those given
- * (docs/mathematics.md, "Joint spectral radius"). */
+ * Both bounds hold in exact arithmetic, for every family whose entries lie within the stated errors of those
+ * given (docs/mathematics.md, "Joint spectral radius"). */
 #ifndef NUMERIC_JOINT_RADIUS_H
 #define NUMERIC_JOINT_RADIUS_H
 
@@ -48,8 +48,8 @@ struct joint_bounds {
     size_t blocks; /* irreducible blocks that the family was split into */
 };
 
-/* `effort` scales the work that may be spent, 1 is usual: a tenth of a second for a dozen dimensions. Results go to
- * `arena`. The only failure is BCIFS_MEMORY; a search that gives up leaves wide bounds. */
+/* `effort` scales the work that may be spent, 1 is usual: a tenth of a second for a dozen dimensions. Results
+ * go to `arena`. The only failure is BCIFS_MEMORY; a search that gives up leaves wide bounds. */
 bcifs_status joint_radius_find(const struct joint_family *family, double effort, struct arena *arena,
                                struct joint_bounds *bounds);
 

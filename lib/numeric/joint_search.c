@@ -11,9 +11,12 @@
 
 enum {
     MOST_LENGTH = 256,
-    MOST_WORDS = 1 << 15 /* kept at one length: bounds memory */
+    MOST_WORDS = 1 << 15 /* kept at one length */
 };
+static const size_t MOST_BYTES = (size_t)1 << 26; /* of all words together, whatever the effort */
 
+static const double MOST_EIGEN_SHARE =
+    5; /* eigenvalues may overdraw the work: without a candidate nothing is won */
 static const size_t NO_PARENT = SIZE_MAX;
 
 /* A path that still may lead to a larger radius. `bound`: the least norm^(1/length) of its beginnings. */
@@ -29,7 +32,7 @@ struct search {
     struct arena *arena;
     struct word *words;
     size_t count, capacity, level; /* `level`: where the current length begins */
-    size_t length;
+    size_t length, bytes;          /* `bytes`: taken from the arena before the search */
     double sharp, work, most_work;
     double pruned; /* the largest bound among words given up */
     struct candidate *candidate;
@@ -76,7 +79,8 @@ static bcifs_status candidate_offer(struct search *search, double radius)
     struct candidate *candidate = search->candidate;
     if (!(radius >= candidate->radius * (1 - TOLERANCE_EXACT)) || radius == 0)
         return BCIFS_OK;
-    bool better = radius > candidate->radius * (1 + TOLERANCE_EXACT); /* a longer one must not win by rounding */
+    bool better =
+        radius > candidate->radius * (1 + TOLERANCE_EXACT); /* a longer one must not win by rounding */
     for (size_t i = 0; i < candidate->count && !better; i++)
         if (candidate->lengths[i] == search->length &&
             is_rotation(candidate->edges[i], search->path, search->length))
@@ -95,18 +99,22 @@ static bcifs_status candidate_offer(struct search *search, double radius)
     return BCIFS_OK;
 }
 
-/* A closed path may be a better candidate. Its norm bounds its radius, which saves most eigenvalues. All rotations
- * are looked at, because some of them begin with products that are too small to be kept. */
+/* A closed path may be a better candidate. Its norm bounds its radius, which saves most eigenvalues. All
+ * rotations are looked at, because some of them begin with products that are too small to be kept. */
 static bcifs_status cycle_try(struct search *search, const struct word *word, size_t index)
 {
     size_t size = search->block->dimensions[word->start];
     double exponent = 1 / (double)search->length;
-    if (word->start != word->end || pow(word->norm, exponent) < search->candidate->radius * (1 - TOLERANCE_EXACT))
+    if (word->start != word->end ||
+        pow(word->norm, exponent) < search->candidate->radius * (1 - TOLERANCE_EXACT))
         return BCIFS_OK;
     path_collect(search, index);
     if (is_power(search->path, search->length))
         return BCIFS_OK;
-    search->work += 25.0 * (double)(size * size * size);
+    double cost = 25.0 * (double)(size * size * size);
+    if (search->work + cost > MOST_EIGEN_SHARE * search->most_work)
+        return BCIFS_OK;
+    search->work += cost;
     memcpy(search->workspace, word->matrix, size * size * sizeof *search->workspace);
     double radius = spectral_radius(search->workspace, size, search->workspace + size * size);
     return candidate_offer(search, pow(radius, exponent));
@@ -116,8 +124,14 @@ static bcifs_status cycle_try(struct search *search, const struct word *word, si
 static bcifs_status word_extend(struct search *search, size_t parent, size_t edge)
 {
     const struct block_edge *e = &search->block->edges[edge];
-    struct word word = {.start = e->from, .end = e->to, .matrix = e->matrix, .norm = e->norm, .error = e->error,
-                        .bound = INFINITY, .parent = parent, .edge = edge};
+    struct word word = {.start = e->from,
+                        .end = e->to,
+                        .matrix = e->matrix,
+                        .norm = e->norm,
+                        .error = e->error,
+                        .bound = INFINITY,
+                        .parent = parent,
+                        .edge = edge};
     if (parent != NO_PARENT) {
         const struct word *before = &search->words[parent];
         size_t rows = search->block->dimensions[before->start];
@@ -126,21 +140,23 @@ static bcifs_status word_extend(struct search *search, size_t parent, size_t edg
         if (!product)
             return BCIFS_MEMORY;
         word.start = before->start;
-        word.error = multiply_enclosed(before->matrix, before->norm, before->error, e->matrix, e->norm, e->error,
-                                       rows, inner, columns, product);
+        word.error = multiply_enclosed(before->matrix, before->norm, before->error, e->matrix, e->norm,
+                                       e->error, rows, inner, columns, product);
         word.norm = row_norm(product, rows, columns);
         word.matrix = product;
         word.bound = before->bound;
         search->work += (double)(rows * (inner + 2) * columns) + 20;
     }
-    word.bound = fmin(word.bound, round_up(pow(round_up(word.norm + word.error, 1), 1 / (double)search->length), 4));
+    word.bound =
+        fmin(word.bound, round_up(pow(round_up(word.norm + word.error, 1), 1 / (double)search->length), 4));
     if (!ARENA_RESERVE(search->arena, search->words, search->count, search->capacity))
         return BCIFS_MEMORY;
     search->words[search->count++] = word;
     return cycle_try(search, &word, search->count - 1);
 }
 
-/* Drops the words of this length that cannot exceed the candidate; returns the largest bound among the others. */
+/* Drops the words of this length that cannot exceed the candidate; returns the largest bound among the
+ * others. */
 static double prune(struct search *search)
 {
     double largest = 0, threshold = search->candidate->radius * (1 + search->sharp);
@@ -165,6 +181,7 @@ static bool is_exhausted(const struct search *search)
     double degree = (double)search->block->edge_count / (double)search->block->node_count;
     double size = (double)search->block->largest;
     return search->length >= MOST_LENGTH || live * degree > MOST_WORDS ||
+           search->arena->used - search->bytes > MOST_BYTES ||
            search->work + live * degree * (size * size * (size + 2) + 20) > search->most_work;
 }
 
@@ -188,8 +205,13 @@ static bcifs_status level_next(struct search *search)
 bcifs_status block_search(const struct block *block, double work, double sharp, struct arena *arena,
                           struct candidate *candidate, struct tree_outcome *outcome)
 {
-    struct search search = {.block = block, .arena = arena, .length = 1, .sharp = sharp, .most_work = work,
-                            .candidate = candidate};
+    struct search search = {.block = block,
+                            .arena = arena,
+                            .length = 1,
+                            .sharp = sharp,
+                            .most_work = work,
+                            .candidate = candidate,
+                            .bytes = arena->used};
     bcifs_status status = BCIFS_OK;
     search.workspace = arena_new(arena, block->largest * block->largest + 2 * block->largest, sizeof(double));
     if (!search.workspace)

@@ -187,29 +187,41 @@ static size_t peak_find(const struct diagram *diagram, size_t k)
     return peak;
 }
 
-/* Names the function just above its peak (below, when it is negative there) or, where another name stands, as
- * near to it as there is room along the upper half of the curve. A function without room keeps no name rather
- * than an unreadable one. */
+/* Writes the name above the curve at a row (below, where it is negative), `lift` lines away, if there is
+ * room. */
+static bool name_try(struct pen *pen, struct diagram *diagram, size_t k, const char *name, size_t row,
+                     int lift)
+{
+    double width = pen_width(pen, name), height = pen_height(pen), value = value_at(diagram, row, k);
+    double x = place_x(diagram, diagram->t[row]), y = place_y(diagram, value);
+    x = fmin(fmax(x, LEFT + 2 + width / 2), diagram->width - RIGHT - 2 - width / 2);
+    y += value < 0 ? height * (lift + 1) : -6 - height * lift;
+    const struct patch patch = {x - width / 2, y - height + 2, x + width / 2, y + 2};
+    if (!patch_is_free(diagram, &patch))
+        return false;
+    diagram->patches[diagram->patch_count++] = patch;
+    pen_words(pen, x, y, PEN_MIDDLE, name, function_color(k));
+    return true;
+}
+
+/* Names the function at its peak, a line or two away from it, or as near to it as there is room along the
+ * upper half of the curve. A function without room keeps no name rather than an unreadable one. */
 static void function_name(struct pen *pen, struct diagram *diagram, size_t k)
 {
+    enum { LINES = 3 };
     char name[32];
-    size_t length = (size_t)snprintf(name, sizeof name, "h%zu", k), peak = peak_find(diagram, k);
-    double width = PEN_CHARACTER * (double)length, half = value_at(diagram, peak, k) / 2;
-    for (size_t away = 0; away < diagram->rows; away++)
-        for (int side = 0; side < (away ? 2 : 1); side++) {
-            size_t row = side ? peak - away : peak + away;
-            double value = row < diagram->rows ? value_at(diagram, row, k) : 0;
-            if (row >= diagram->rows || value * half < half * half)
-                continue;
-            double x = place_x(diagram, diagram->t[row]),
-                   y = place_y(diagram, value) + (value < 0 ? PEN_HEIGHT : -6);
-            x = fmin(fmax(x, LEFT + 2 + width / 2), diagram->width - RIGHT - 2 - width / 2);
-            const struct patch patch = {x - width / 2, y - PEN_HEIGHT + 2, x + width / 2, y + 2};
-            if (!patch_is_free(diagram, &patch))
-                continue;
-            diagram->patches[diagram->patch_count++] = patch;
-            pen_words(pen, x, y, PEN_MIDDLE, name, function_color(k));
+    snprintf(name, sizeof name, "h%zu", k);
+    size_t peak = peak_find(diagram, k);
+    double half = value_at(diagram, peak, k) / 2;
+    for (int lift = 0; lift < LINES; lift++)
+        if (name_try(pen, diagram, k, name, peak, lift))
             return;
+    for (size_t away = 1; away < diagram->rows; away++)
+        for (int side = 0; side < 2; side++) {
+            size_t row = side ? peak - away : peak + away; /* below 0 it wraps, and is no row */
+            if (row < diagram->rows && value_at(diagram, row, k) * half >= half * half &&
+                name_try(pen, diagram, k, name, row, 0))
+                return;
         }
 }
 

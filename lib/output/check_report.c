@@ -224,10 +224,9 @@ static void append_contraction(struct text *text, const struct radius *radius)
         append_digits(text, radius->upper, 0);
     else
         text_append(text, "unknown");
-    text_append(text, radius->upper < 1    ? ": contractive, certified"
-                      : radius->lower >= 1 ? ": not contractive, certified"
-                                           : ": not decided");
-    text_format(text, " (%s)\n", radius->certificate);
+    text_append(text, radius->upper < 1    ? ": contractive, certified\n"
+                      : radius->lower >= 1 ? ": not contractive\n"
+                                           : ": not decided\n");
 }
 
 char *bcifs_check_text(const bcifs_check *check)

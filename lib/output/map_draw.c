@@ -287,23 +287,55 @@ static bool label_fits(const struct chart *chart, const struct box *box)
     return true;
 }
 
-/* On the upper right of its line or, failing that, on the lower left, near an end. */
+/* The node whose field a position is in, `share` of the way along an axis. */
+static size_t node_at(size_t count, double share)
+{
+    double node = share * (double)(count - 1) + 0.5;
+    return node < 0 ? 0 : node >= (double)count ? count - 1 : (size_t)node;
+}
+
+/* Whether one color lies under the box, which is within the plot. */
+static bool ground_is_plain(const struct chart *chart, const struct box *box)
+{
+    const bcifs_map *map = chart->map;
+    const struct box *plot = &chart->plot;
+    double width = plot->x1 - plot->x0, height = plot->y1 - plot->y0;
+    size_t left = node_at(map->columns, (box->x0 - plot->x0) / width);
+    size_t right = node_at(map->columns, (box->x1 - plot->x0) / width);
+    size_t low = node_at(map->rows, (plot->y1 - box->y1) / height);
+    size_t high = node_at(map->rows, (plot->y1 - box->y0) / height);
+    unsigned char first = map->classes[low * map->columns + left];
+    for (size_t j = low; j <= high; j++)
+        for (size_t i = left; i <= right; i++)
+            if (map->classes[j * map->columns + i] != first)
+                return false;
+    return true;
+}
+
+/* A label's box on the upper right (side 0) or lower left of its line, `share` of the way down. */
+static struct box label_box(const struct chart *chart, const struct condition *condition, int side, double share)
+{
+    double gap = GAP * chart->unit, width = text_width(chart, condition->label.data), height = text_height(chart);
+    double x = condition->x0 + share * (condition->x1 - condition->x0);
+    double y = condition->y0 + share * (condition->y1 - condition->y0);
+    if (side == 0)
+        return (struct box){x + gap, y - gap - height, x + gap + width, y - gap};
+    return (struct box){x - gap - width, y + gap, x - gap, y + gap + height};
+}
+
+/* On plain ground where that can be had, on the upper right rather than the lower left, and near an end. */
 static void label_place(const struct chart *chart, struct condition *condition)
 {
-    static const double shares[] = {0.12, 0.88, 0.2, 0.8, 0.3, 0.7, 0.4, 0.6, 0.5};
-    double gap = GAP * chart->unit, width = text_width(chart, condition->label.data), height = text_height(chart);
-    for (size_t side = 0; side < 2; side++)
-        for (size_t i = 0; i < sizeof shares / sizeof shares[0]; i++) {
-            double x = condition->x0 + shares[i] * (condition->x1 - condition->x0);
-            double y = condition->y0 + shares[i] * (condition->y1 - condition->y0);
-            struct box box = {x + gap, y - gap - height, x + gap + width, y - gap};
-            if (side == 1)
-                box = (struct box){x - gap - width, y + gap, x - gap, y + gap + height};
-            if (label_fits(chart, &box)) {
-                condition->box = box;
-                return;
-            }
+    static const double shares[] = {0.12, 0.88, 0.16, 0.84, 0.2, 0.8, 0.25, 0.75, 0.3, 0.7, 0.4, 0.6, 0.5};
+    enum { SHARES = sizeof shares / sizeof shares[0] };
+    for (size_t k = 0; k < 4 * SHARES; k++) {
+        bool plain = k < 2 * SHARES;
+        struct box box = label_box(chart, condition, k / SHARES % 2, shares[k % SHARES]);
+        if (label_fits(chart, &box) && (!plain || ground_is_plain(chart, &box))) {
+            condition->box = box;
+            return;
         }
+    }
 }
 
 static bcifs_status conditions_make(struct chart *chart)

@@ -1,7 +1,9 @@
 #include "output/pen.h"
 
+#include <math.h>
 #include <string.h>
 
+#include "output/glyphs.h"
 #include "output/png.h"
 #include "output/raster.h"
 #include "output/xml.h"
@@ -60,60 +62,36 @@ static void words_write(struct file *file, double x, double y, enum pen_anchor a
 
 /* ---- Pixels -------------------------------------------------------------------------------------------- */
 
-/* A letter as strokes between points of a grid, x 0…4 and y 0 (base line) … 6, each as two digits; a blank
- * lifts the pen. */
-static const struct {
-    char letter;
-    const char *strokes;
-} LETTERS[] = {
-    {'0', "01 05 16 36 45 41 30 10 01"},
-    {'1', "15 26 20"},
-    {'2', "05 16 36 45 44 00 40"},
-    {'3', "05 16 36 45 44 33 42 41 30 10 01|13 33"},
-    {'4', "30 36 02 42"},
-    {'5', "46 06 03 34 43 41 30 10 01"},
-    {'6', "45 36 16 05 01 10 30 41 42 33 13 02"},
-    {'7', "06 46 10"},
-    {'8', "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33"},
-    {'9', "01 10 30 41 45 36 16 05 04 13 33 44"},
-    {'h', "00 06|03 14 34 43 40"},
-    {'t', "16 11 20 30|04 34"},
-    {'.', "20 20"},
-    {'-', "03 43"},
-};
-
-static const char *letter_strokes(char letter)
+/* Pixels of a unit of the letters: two, which is as large as the letters of vectors, unless the picture is
+ * small. */
+static unsigned letter_scale(const struct canvas *canvas)
 {
-    for (size_t i = 0; i < sizeof LETTERS / sizeof *LETTERS; i++)
-        if (LETTERS[i].letter == letter)
-            return LETTERS[i].strokes;
-    return "";
-}
-
-static void letter_cover(struct canvas *canvas, const char *strokes, double x, double y)
-{
-    const double unit = 1.5;
-    double last[2] = {0, 0};
-    bool down = false;
-    while (strokes[0] && strokes[1]) {
-        double next[2] = {x + unit * (strokes[0] - '0'), y - unit * (strokes[1] - '0')};
-        if (down)
-            canvas_segment(canvas, last[0], last[1], next[0], next[1], 1.2);
-        memcpy(last, next, sizeof last);
-        down = strokes[2] == ' ';
-        strokes += strokes[2] ? 3 : 2;
-    }
+    enum { SMALL = 700 };
+    return canvas->width < SMALL ? 1 : 2;
 }
 
 static void words_cover(struct canvas *canvas, double x, double y, enum pen_anchor anchor, const char *text)
 {
-    double width = PEN_CHARACTER * (double)strlen(text) - 3;
+    unsigned scale = letter_scale(canvas);
+    double width = (double)(glyphs_width(text) * scale);
     x -= anchor == PEN_LEFT ? 0 : anchor == PEN_MIDDLE ? width / 2 : width;
-    for (; *text; text++, x += PEN_CHARACTER)
-        letter_cover(canvas, letter_strokes(*text), x, y);
+    glyphs_cover(canvas, lround(x), lround(y), scale, text);
 }
 
 /* ---- Both ---------------------------------------------------------------------------------------------- */
+
+double pen_width(const struct pen *pen, const char *text)
+{
+    enum { CHARACTER = 8, AROUND = 4 };
+    return AROUND + (pen->svg ? CHARACTER * (double)strlen(text)
+                              : (double)(glyphs_width(text) * letter_scale(pen->canvas)));
+}
+
+double pen_height(const struct pen *pen)
+{
+    enum { LETTER = 10, AROUND = 4 };
+    return AROUND + (pen->svg ? LETTER : (double)(GLYPH_ASCENT * letter_scale(pen->canvas)));
+}
 
 void pen_line(struct pen *pen, const double *xy, size_t count, struct color color, double width)
 {

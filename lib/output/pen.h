@@ -11,12 +11,13 @@ struct pen;
 /* How a word lies at its place. */
 enum pen_anchor { PEN_LEFT, PEN_MIDDLE, PEN_RIGHT };
 
-enum { PEN_CHARACTER = 9, PEN_HEIGHT = 14 /* pixels that a character takes, with what stands around it */ };
+/* Pixels that a word takes, with what stands around it. */
+double pen_width(const struct pen *pen, const char *text);
+double pen_height(const struct pen *pen);
 
 /* xy: count × 2, pixels from the upper left corner. */
 void pen_line(struct pen *pen, const double *xy, size_t count, struct color color, double width);
-/* `x`, `y` is the left, middle or right of the base line. Digits, "h", "t", "." and "-" only, which pixels
- * know. */
+/* `x`, `y` is the left, middle or right of the base line. */
 void pen_words(struct pen *pen, double x, double y, enum pen_anchor anchor, const char *text,
                struct color color);
 

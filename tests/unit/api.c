@@ -560,7 +560,7 @@ static bcifs_status use_write(bcifs_error *error)
         status = bcifs_plan_create(shared_figure, &(bcifs_view){.depth = 5}, &plan, error);
         if (status == BCIFS_OK)
             status = bcifs_plan_create(shared_figure, &(bcifs_view){.show = BCIFS_CONTROL}, &polygon, error);
-        bcifs_layer layers[] = {{plan, BCIFS_CURVE}, {polygon, BCIFS_POLYGON}};
+        bcifs_layer layers[] = {{.plan = plan, .role = BCIFS_CURVE}, {.plan = polygon, .role = BCIFS_POLYGON}};
         bcifs_write_options options = {.command = "bcifs", .width = 50};
         if (status == BCIFS_OK)
             status = bcifs_write(shared_figure, layers, bcifs_format_is_picture(i) ? 2 : 1, path, &options, error);

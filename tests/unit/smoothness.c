@@ -62,15 +62,17 @@ static const char chaikin[] = "automaton t\nedge arc { mask 2 [ 1/4 3/4 3/4 1/4 
 static const char cubic[] = "automaton t\nedge arc { mask 2 [ 1/8 1/2 3/4 1/2 1/8 ] }\n";
 static const char four_point[] =
     "automaton t\nparam w = 1/16\nedge arc { mask 2 [ -w 0 1/2+w 1 1/2+w 0 -w ] }\n";
-static const char takagi[] = "automaton t\nparam w = 1/2\nvertex end 1 { }\nedge arc 3 {\n start end at 0\n end end at 2\n"
-                             "sub arc [ 1 5/8-w/2 1/4; 0 1/4+w 1/2; 0 1/8-w/2 1/4 ]\n"
-                             "sub arc [ 1/4 1/8-w/2 0; 1/2 1/4+w 0; 1/4 5/8-w/2 1 ]\n}\n";
+static const char takagi[] =
+    "automaton t\nparam w = 1/2\nvertex end 1 { }\nedge arc 3 {\n start end at 0\n end end at 2\n"
+    "sub arc [ 1 5/8-w/2 1/4; 0 1/4+w 1/2; 0 1/8-w/2 1/4 ]\n"
+    "sub arc [ 1/4 1/8-w/2 0; 1/2 1/4+w 0; 1/4 5/8-w/2 1 ]\n}\n";
 static const char bezier[] = "automaton t\nvertex end 1 { }\nedge arc 4 {\n start end at 0\n end end at 3\n"
                              "sub arc [ 1 1/2 1/4 1/8; 0 1/2 1/2 3/8; 0 0 1/4 3/8; 0 0 0 1/8 ]\n"
                              "sub arc [ 1/8 0 0 0; 3/8 1/4 0 0; 3/8 1/2 1/2 0; 1/8 1/4 1/2 1 ]\n}\n";
-static const char koch[] = "automaton t\nvertex end 1 { }\nedge arc 3 {\n start end at 0\n end end at 2\n"
-                           "sub arc [ 1 2/3 2/3; 0 1/3 0; 0 0 1/3 ]\n sub arc [ 2/3 1/3 0; 0 2/3 1; 1/3 0 0 ]\n"
-                           "sub arc [ 0 0 1/3; 1 2/3 0; 0 1/3 2/3 ]\n sub arc [ 1/3 0 0; 0 1/3 0; 2/3 2/3 1 ]\n}\n";
+static const char koch[] =
+    "automaton t\nvertex end 1 { }\nedge arc 3 {\n start end at 0\n end end at 2\n"
+    "sub arc [ 1 2/3 2/3; 0 1/3 0; 0 0 1/3 ]\n sub arc [ 2/3 1/3 0; 0 2/3 1; 1/3 0 0 ]\n"
+    "sub arc [ 0 0 1/3; 1 2/3 0; 0 1/3 2/3 ]\n sub arc [ 1/3 0 0; 0 1/3 0; 2/3 2/3 1 ]\n}\n";
 static const char dragon[] =
     "automaton t\nvertex end 1 { }\nedge forward 3 {\n start end at 0\n end end at 2\n"
     "sub forward [ 1 1/2 0; 0 1 1; 0 -1/2 0 ]\n sub backward [ 0 1/2 0; 1 0 0; 0 1/2 1 ]\n}\n"
@@ -80,38 +82,41 @@ static const char dragon[] =
 static void test_splines(void)
 {
     ok(find(chaikin, NULL, "arc") && brackets(2, 0) && found.exact, "Chaikin: 2, exactly");
-    ok(found.reproduces == 2 && found.continuity == 1, "... C^1 with Lipschitz derivative, reproduces degree 2");
-    ok(find(cubic, NULL, "arc") && brackets(3, 0) && found.exact && found.continuity == 2 && found.reproduces == 3,
+    ok(found.reproduces == 2 && found.continuity == 1,
+       "... C^1 with Lipschitz derivative, reproduces degree 2");
+    ok(find(cubic, NULL, "arc") && brackets(3, 0) && found.exact && found.continuity == 2 &&
+           found.reproduces == 3,
        "cubic B-spline: 3, C^2");
     ok(find(bezier, NULL, "arc") && brackets(3, 0) && found.reproduces == 3, "cubic Bézier arc: 3");
     ok(find("automaton t\nedge arc { mask 2 [ 1/2 1 1/2 ] }\n", NULL, "arc") && brackets(1, 0) &&
            found.continuity == 0 && found.reproduces == 1,
        "the control polygon itself: 1, C^0");
-    ok(find("automaton t\nedge arc { mask 3 [ 1/9 1/3 2/3 7/9 2/3 1/3 1/9 ] }\n", NULL, "arc") && brackets(2, 1e-12) &&
-           found.exact && found.continuity == 1,
+    ok(find("automaton t\nedge arc { mask 3 [ 1/9 1/3 2/3 7/9 2/3 1/3 1/9 ] }\n", NULL, "arc") &&
+           brackets(2, 1e-12) && found.exact && found.continuity == 1,
        "quadratic B-spline by thirds: 2");
 }
 
-/* The four-point scheme's exponent is 2 at w = 1/16 (Dubuc 1986; Dyn, Levin and Gregory 1987). For 0 < w < 1/16 it
- * is -log2 of the leading eigenvalue of its second-difference scheme, the larger root of x² - x/2 + 2w... : the
- * symbol's restriction at an end has the eigenvalues (1 ± sqrt(1-16w))/4 . */
+/* The four-point scheme's exponent is 2 at w = 1/16 (Dubuc 1986; Dyn, Levin and Gregory 1987). Its local
+ * matrix has the eigenvalues 1, 1/2 and (1 ± sqrt(1-16w))/4; for 0 < w < 1/16 the larger of these leads all
+ * products. */
 static void test_four_point(void)
 {
     ok(find(four_point, NULL, "arc") && brackets(2, 1e-6) && found.reproduces == 3 && found.continuity == 1,
        "four-point, w = 1/16: 2, reproduces cubics, C^1 but not C^2");
-    ok(find(four_point, "w=1/32", "arc") && brackets(-log2((1 + sqrt(0.5)) / 4), 1e-6) && found.continuity == 1,
+    ok(find(four_point, "w=1/32", "arc") && brackets(-log2((1 + sqrt(0.5)) / 4), 1e-6) &&
+           found.continuity == 1,
        "four-point, w = 1/32: -log2 (1 + sqrt(1/2))/4");
 }
 
-/* The middle of the arc at w: f = Σ w^n s(2^n t) has the exponent -log2 w away from its joints. The corners that it
- * has at all joints when w < 1/2, w ≠ 1/4, are seen by the continuity alone. */
+/* The middle of the arc at w: f = Σ w^n s(2^n t) has the exponent -log2 w away from its joints. The corners
+ * that it has at all joints when w < 1/2, w ≠ 1/4, are seen by the continuity alone. */
 static void test_takagi(void)
 {
     static const struct {
         const char *setting;
         double w;
         int continuity;
-    } cases[] = {{"w=3/10", 0.3, 0}, {"w=2/5", 0.4, 0}, {"w=9/20", 0.45, 0}, {"w=1/2", 0.5, 0},
+    } cases[] = {{"w=3/10", 0.3, 0}, {"w=2/5", 0.4, 0},  {"w=9/20", 0.45, 0}, {"w=1/2", 0.5, 0},
                  {"w=3/5", 0.6, 0},  {"w=7/10", 0.7, 0}, {"w=9/10", 0.9, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         ok(find(takagi, cases[i].setting, "arc") && brackets(-log2(cases[i].w), 1e-6) && found.exact &&
@@ -135,13 +140,12 @@ static void test_similarities(void)
 /* Knots travel, then all is uniform: C^{1,1} for any intervals. */
 static void test_states(void)
 {
-    static const char text[] =
-        "automaton t\nlet a(u,v) = u/(2*(u+v))\nlet b(u,v) = v/(2*(u+v))\n"
-        "vertex k(u,v) 2 { sub k(u,v) [ 1-a(u,v) b(u,v); a(u,v) 1-b(u,v) ] }\n"
-        "edge p(u,v,w) 3 {\n start k(u,v) at 0 1\n end k(v,w) at 1 2\n"
-        "sub p(u,v,v) [ 1-a(u,v) b(u,v) 0; a(u,v) 1-b(u,v) 1-a(v,w); 0 0 a(v,w) ]\n"
-        "sub p(v,v,w) [ b(u,v) 0 0; 1-b(u,v) 1-a(v,w) b(v,w); 0 a(v,w) 1-b(v,w) ]\n}\n"
-        "figure f { open p\n intervals [ 1 2 7 ]\n points [ 0 0; 1 1; 2 0 ] }\n";
+    static const char text[] = "automaton t\nlet a(u,v) = u/(2*(u+v))\nlet b(u,v) = v/(2*(u+v))\n"
+                               "vertex k(u,v) 2 { sub k(u,v) [ 1-a(u,v) b(u,v); a(u,v) 1-b(u,v) ] }\n"
+                               "edge p(u,v,w) 3 {\n start k(u,v) at 0 1\n end k(v,w) at 1 2\n"
+                               "sub p(u,v,v) [ 1-a(u,v) b(u,v) 0; a(u,v) 1-b(u,v) 1-a(v,w); 0 0 a(v,w) ]\n"
+                               "sub p(v,v,w) [ b(u,v) 0 0; 1-b(u,v) 1-a(v,w) b(v,w); 0 a(v,w) 1-b(v,w) ]\n}\n"
+                               "figure f { open p\n intervals [ 1 2 7 ]\n points [ 0 0; 1 1; 2 0 ] }\n";
     ok(find(text, NULL, "p(1,2,7)") && brackets(2, 1e-9) && found.reproduces == 2 && found.continuity == 1,
        "a non-uniform quadratic spline: 2, reproduces degree 2");
     static const char mixed[] = "automaton t\nvertex end 1 { }\n"
@@ -150,7 +154,8 @@ static void test_states(void)
                                 "edge thirds 2 {\n start end at 0\n end end at 1\n"
                                 "sub halves [ 1 2/3; 0 1/3 ]\n sub halves [ 2/3 1/3; 1/3 2/3 ]\n"
                                 "sub halves [ 1/3 0; 2/3 1 ]\n}\n";
-    ok(find(mixed, NULL, "halves") && found.holder_lower <= 1 && found.holder_upper >= 1 && found.reproduces == 1,
+    ok(find(mixed, NULL, "halves") && found.holder_lower <= 1 && found.holder_upper >= 1 &&
+           found.reproduces == 1,
        "states that halve and states that cut in three: bounds around the segment's 1");
 }
 
@@ -175,8 +180,8 @@ static void half_band_roots(int n, long double complex *roots)
         }
 }
 
-/* The filter of 2n coefficients, sum 2: ((1+z)/2)^n times the factor of the half-band polynomial whose roots are
- * inside the unit circle (I. Daubechies, Orthonormal bases of compactly supported wavelets, 1988). */
+/* The filter of 2n coefficients, sum 2: ((1+z)/2)^n times the factor of the half-band polynomial whose roots
+ * are inside the unit circle (I. Daubechies, Orthonormal bases of compactly supported wavelets, 1988). */
 static void daubechies(int n, double *filter)
 {
     long double complex roots[MOST_POWER], polynomial[2 * MOST_POWER] = {1};
@@ -243,7 +248,8 @@ static void test_daubechies(void)
            "D%d: gap of at most 1e-3, reproduces degree %d", n, n - 1);
         ok(done && found.continuity == (int)floor(found.holder_lower), "D%d is C^%d", n, found.continuity);
         if (n <= 4)
-            ok(done && fabs(found.holder_lower - known[n]) <= 1e-4 && fabs(found.holder_upper - known[n]) <= 1e-4,
+            ok(done && fabs(found.holder_lower - known[n]) <= 1e-4 &&
+                   fabs(found.holder_upper - known[n]) <= 1e-4,
                "D%d: %.4f", n, known[n]);
         text_free(&text);
     }
