@@ -9,6 +9,7 @@ DESTDIR ?=
 CC ?= cc
 AR ?= ar
 PROVE ?= prove
+JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 INSTALL ?= install
 
 # -ffp-contract=off: results must not depend on whether the machine has a fused multiply-add.
@@ -70,7 +71,7 @@ $(BUILD)/bcifs: $(COMMAND_OBJECTS) $(BUILD)/libbcifs.a
 
 $(BUILD)/tests/%.t: tests/unit/%.c $(BUILD)/libbcifs.a $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(LDFLAGS) -MMD -MP -o $@ $< $(BUILD)/libbcifs.a $(LIBS)
+	$(CC) $(ALL_CFLAGS) $(LDFLAGS) -MMD -MP -MT $@ -MF $(@:.t=.d) -o $@ $< $(BUILD)/libbcifs.a $(LIBS)
 
 demo: $(BUILD)/bcifs
 	@mkdir -p $(BUILD)/demo
@@ -82,7 +83,7 @@ demo: $(BUILD)/bcifs
 	@echo "Look at: $(BUILD)/demo/chaikin.svg and $(BUILD)/demo/takagi.svg"
 
 check: all $(UNIT_TESTS)
-	BCIFS=$(BUILD)/bcifs BUILD=$(BUILD) CC='$(CC)' $(PROVE) --exec '' $(UNIT_TESTS) $(COMMAND_TESTS)
+	BCIFS=$(BUILD)/bcifs BUILD=$(BUILD) CC='$(CC)' $(PROVE) -j$(JOBS) --exec '' $(UNIT_TESTS) $(COMMAND_TESTS)
 
 install: all
 	$(INSTALL) -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include \

@@ -137,6 +137,9 @@ BCIFS_PUBLIC bcifs_status bcifs_check_create(const bcifs_automaton *automaton, c
                                              bcifs_check **check, bcifs_error *error);
 BCIFS_PUBLIC void bcifs_check_free(bcifs_check *check);
 BCIFS_PUBLIC int bcifs_check_valid(const bcifs_check *check);
+/* BCIFS_OK when every equation holds; otherwise BCIFS_NO, and the first that fails is an error for the reporter. */
+BCIFS_PUBLIC bcifs_status bcifs_check_require(const bcifs_check *check, const bcifs_load_options *options,
+                                              bcifs_error *error);
 BCIFS_PUBLIC size_t bcifs_check_equation_count(const bcifs_check *check);
 BCIFS_PUBLIC const bcifs_equation *bcifs_check_equation(const bcifs_check *check, size_t index);
 
@@ -443,7 +446,7 @@ BCIFS_PUBLIC double bcifs_map_value(const bcifs_map *map, size_t axis, size_t in
 /* The class at node i of the first axis and j of the second (0 without one). */
 BCIFS_PUBLIC bcifs_map_class bcifs_map_at(const bcifs_map *map, size_t i, size_t j);
 /* "undecided", "not-contractive", "contractive", "tangent-continuous", "C1". */
-BCIFS_PUBLIC const char *bcifs_map_class_name(bcifs_map_class class_);
+BCIFS_PUBLIC const char *bcifs_map_class_name(bcifs_map_class which);
 /* Draws the map (svg, png) or lists it (csv: params and class, the second param changing fastest). Of `options` the
  * format, the command and the width are used. */
 BCIFS_PUBLIC bcifs_status bcifs_map_write(const bcifs_map *map, const char *path, const bcifs_write_options *options,

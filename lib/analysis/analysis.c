@@ -221,23 +221,13 @@ static bcifs_status figures_analyze(struct bcifs_analysis *analysis)
 
 /* The equations come first: without them arcs do not meet and nothing below means anything. */
 static bcifs_status equations_require(const bcifs_automaton *automaton, const bcifs_load_options *options,
-                                      struct report *report)
+                                      bcifs_error *error)
 {
     bcifs_check *check;
-    bcifs_error error;
-    bcifs_status status = bcifs_check_create(automaton, options, &check, &error);
-    if (status) {
-        report->first = error; /* it has been reported already */
-        report->errors = 1;
+    bcifs_status status = bcifs_check_create(automaton, options, &check, error);
+    if (status)
         return status;
-    }
-    for (size_t i = 0; i < bcifs_check_equation_count(check) && status == BCIFS_OK; i++) {
-        const bcifs_equation *equation = bcifs_check_equation(check, i);
-        if (!equation->holds)
-            status = report_failure(report, BCIFS_NO, equation->file,
-                                    "'%s' (line %u) does not satisfy %s; 'bcifs check' shows why", equation->state,
-                                    equation->line, equation->text);
-    }
+    status = bcifs_check_require(check, options, error);
     bcifs_check_free(check);
     return status;
 }
@@ -270,10 +260,13 @@ static bcifs_status analyze(struct bcifs_analysis *analysis, double effort, stru
 bcifs_status bcifs_analysis_create(const bcifs_automaton *automaton, double effort,
                                    const bcifs_load_options *options, bcifs_analysis **analysis, bcifs_error *error)
 {
+    bcifs_status status = equations_require(automaton, options, error);
+    if (status)
+        return status; /* reported already */
     struct report report = report_new(options);
     bcifs_analysis *fresh = memory_new(1, sizeof *fresh);
-    bcifs_status status = fresh ? equations_require(automaton, options, &report) : BCIFS_MEMORY;
-    if (status == BCIFS_OK) {
+    status = BCIFS_MEMORY;
+    if (fresh) {
         fresh->automaton = automaton;
         status = analyze(fresh, effort, &report);
     }

@@ -19,12 +19,12 @@ enum {
     MOST_STARTS = 256, /* states whose class is asked for */
     MOST_STATES = 512, /* reached from them */
     MOST_COUNT_DIGITS = 8,
-    CHUNK = 16,               /* grid points that a thread takes at a time */
-    STACK = 8 * 1024 * 1024   /* of a thread: trees of expressions are walked by recursion */
+    CHUNK = 16,             /* grid points that a thread takes at a time */
+    STACK = 8 * 1024 * 1024 /* of a thread: trees of expressions are walked by recursion */
 };
 
-/* What a search may spend at one grid point, as shares of what it may spend on one automaton alone. Most points are
- * far from where their class changes, and the least of searches tells. */
+/* What a search may spend at one grid point, as shares of what it may spend on one automaton alone. Most
+ * points are far from where their class changes, and the least of searches tells. */
 static const double EFFORTS[] = {1.0 / 1024, 1.0 / 32};
 enum { EFFORT_COUNT = sizeof EFFORTS / sizeof EFFORTS[0] };
 
@@ -32,9 +32,10 @@ enum { EFFORT_COUNT = sizeof EFFORTS / sizeof EFFORTS[0] };
 
 static bcifs_status axis_refuse(struct report *report, const char *axis)
 {
-    return report_failure(report, BCIFS_INPUT, NULL,
-                          "--over %s: expected NAME=LOW..HIGH:COUNT with numbers LOW < HIGH and 2 <= COUNT <= %d", axis,
-                          MAP_MOST_POINTS);
+    return report_failure(
+        report, BCIFS_INPUT, NULL,
+        "--over %s: expected NAME=LOW..HIGH:COUNT with numbers LOW < HIGH and 2 <= COUNT <= %d", axis,
+        MAP_MOST_POINTS);
 }
 
 /* A number expression without names, `length` bytes of text. */
@@ -56,8 +57,8 @@ static bcifs_status number_evaluate(struct arena *arena, const char *name, const
 }
 
 /* The param that an axis is over; `length` bytes of name. */
-static bcifs_status axis_parameter(const bcifs_map *map, const char *text, size_t length, struct report *report,
-                                   size_t *found)
+static bcifs_status axis_parameter(const bcifs_map *map, const char *text, size_t length,
+                                   struct report *report, size_t *found)
 {
     const bcifs_automaton *automaton = map->automaton;
     const char *candidates[64];
@@ -72,9 +73,10 @@ static bcifs_status axis_parameter(const bcifs_map *map, const char *text, size_
             return report_failure(report, BCIFS_INPUT, NULL, "--over %s: '%s' was given one value", text,
                                   parameter->name);
         if (parameter->structural)
-            return report_failure(report, BCIFS_INPUT, NULL,
-                                  "--over %s: sizes or indices depend on '%s', so it takes no values in between", text,
-                                  parameter->name);
+            return report_failure(
+                report, BCIFS_INPUT, NULL,
+                "--over %s: sizes or indices depend on '%s', so it takes no values in between", text,
+                parameter->name);
         *found = i;
         return BCIFS_OK;
     }
@@ -82,9 +84,9 @@ static bcifs_status axis_parameter(const bcifs_map *map, const char *text, size_
     if (length < sizeof name)
         memcpy(name, text, length);
     const char *nearest = nearest_word(name, candidates, count);
-    return report_failure(report, BCIFS_INPUT, NULL, "--over %s: the file has no param '%s'%s%s%s%s", text, name,
-                          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "",
-                          count ? "" : " (it has none at all)");
+    return report_failure(report, BCIFS_INPUT, NULL, "--over %s: the file has no param '%s'%s%s%s%s", text,
+                          name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                          nearest ? "'?" : "", count ? "" : " (it has none at all)");
 }
 
 /* Digits to the end of the text; 0 when that is not a count. */
@@ -99,26 +101,28 @@ static size_t count_read(const char *text)
 }
 
 /* node k = low + (high - low) k / (count - 1). */
-static bcifs_status axis_nodes(struct map_axis *axis, struct value low, struct value high, struct arena *arena,
-                               struct report *report)
+static bcifs_status axis_nodes(struct map_axis *axis, struct value low, struct value high,
+                               struct arena *arena, struct report *report)
 {
     struct value *nodes = arena_new(arena, axis->count, sizeof *nodes), span = value_subtract(high, low);
     if (!nodes)
         return report_memory(report);
     for (size_t k = 0; k < axis->count; k++) {
-        struct value share = value_divide(value_from_integer((int64_t)k), value_from_integer((int64_t)axis->count - 1));
+        struct value share =
+            value_divide(value_from_integer((int64_t)k), value_from_integer((int64_t)axis->count - 1));
         nodes[k] = value_add(low, value_multiply(span, share));
         value_pin(&nodes[k], 0);
         if (k > 0 && !(nodes[k].real > nodes[k - 1].real))
-            return report_failure(report, BCIFS_INPUT, NULL, "--over %s: the range is too small for %zu values",
-                                  axis->name, axis->count);
+            return report_failure(report, BCIFS_INPUT, NULL,
+                                  "--over %s: the range is too small for %zu values", axis->name,
+                                  axis->count);
     }
     axis->nodes = nodes;
     return BCIFS_OK;
 }
 
-static bcifs_status axis_range(const bcifs_map *map, const struct map_axis *axis, const char *text, double low,
-                               double high, struct report *report)
+static bcifs_status axis_range(const bcifs_map *map, const struct map_axis *axis, const char *text,
+                               double low, double high, struct report *report)
 {
     const struct parameter *parameter = &map->automaton->parameters[axis->parameter];
     if (!(low < high))
@@ -128,8 +132,8 @@ static bcifs_status axis_range(const bcifs_map *map, const struct map_axis *axis
     char words[2][DECIMAL_LONGEST + 1];
     words[0][decimal_print(words[0], parameter->low)] = '\0';
     words[1][decimal_print(words[1], parameter->high)] = '\0';
-    return report_failure(report, BCIFS_INPUT, NULL, "--over %s: the range of '%s' is %s..%s", text, axis->name,
-                          words[0], words[1]);
+    return report_failure(report, BCIFS_INPUT, NULL, "--over %s: the range of '%s' is %s..%s", text,
+                          axis->name, words[0], words[1]);
 }
 
 /* NAME=LOW..HIGH:COUNT */
@@ -147,10 +151,12 @@ static bcifs_status axis_read(bcifs_map *map, const char *text, struct report *r
     axis->name = map->automaton->parameters[axis->parameter].name;
     for (size_t i = 0; i < map->axis_count; i++)
         if (map->axes[i].parameter == axis->parameter)
-            return report_failure(report, BCIFS_INPUT, NULL, "--over %s: '%s' has an axis already", text, axis->name);
+            return report_failure(report, BCIFS_INPUT, NULL, "--over %s: '%s' has an axis already", text,
+                                  axis->name);
     status = number_evaluate(&map->arena, axis->name, equals + 1, (size_t)(dots - equals - 1), report, &low);
     if (status == BCIFS_OK)
-        status = number_evaluate(&map->arena, axis->name, dots + 2, (size_t)(colon - dots - 2), report, &high);
+        status =
+            number_evaluate(&map->arena, axis->name, dots + 2, (size_t)(colon - dots - 2), report, &high);
     if (status == BCIFS_OK)
         status = axis_range(map, axis, text, low.real, high.real, report);
     if (status == BCIFS_OK)
@@ -172,8 +178,9 @@ static bcifs_status axes_read(bcifs_map *map, const char *const *axes, size_t co
     map->columns = map->axes[0].count;
     map->rows = count > 1 ? map->axes[1].count : 1;
     if (map->rows > MAP_MOST_POINTS / map->columns)
-        return report_failure(report, BCIFS_INPUT, NULL, "--over: %zu x %zu grid points; a map has at most %d",
-                              map->columns, map->rows, MAP_MOST_POINTS);
+        return report_failure(report, BCIFS_INPUT, NULL,
+                              "--over: %zu x %zu grid points; a map has at most %d", map->columns, map->rows,
+                              MAP_MOST_POINTS);
     map->classes = arena_new(&map->arena, map->columns * map->rows, 1);
     return map->classes ? BCIFS_OK : report_memory(report);
 }
@@ -184,7 +191,8 @@ static bcifs_status axes_read(bcifs_map *map, const char *const *axes, size_t co
 struct survey {
     bcifs_map *map;
     bool *follows; /* per parameter: its default depends on an axis, so it is evaluated for every point */
-    const struct definition *starts[MOST_STARTS]; /* without arguments; none: the pieces of the first figure */
+    const struct definition
+        *starts[MOST_STARTS]; /* without arguments; none: the pieces of the first figure */
     size_t start_count;
     double effort;
     bcifs_progress *progress;
@@ -253,18 +261,20 @@ static bcifs_status values_at(const struct survey *survey, size_t point, struct 
 
 static bcifs_status verdict(const bcifs_map *map, const bcifs_check *check, struct report *report)
 {
-    const char *also = map->axis_count > 1 ? " and " : "", *other = map->axis_count > 1 ? map->axes[1].name : "";
+    const char *also = map->axis_count > 1 ? " and " : "",
+               *other = map->axis_count > 1 ? map->axes[1].name : "";
     for (size_t i = 0; !bcifs_check_valid(check) && i < bcifs_check_equation_count(check); i++) {
         const bcifs_equation *equation = bcifs_check_equation(check, i);
         if (!equation->holds)
             return report_failure(report, BCIFS_NO, equation->file,
-                                  "'%s' does not satisfy %s for all %s%s%s; 'bcifs check' shows why", equation->state,
-                                  equation->text, map->axes[0].name, also, other);
+                                  "'%s' does not satisfy %s for all %s%s%s; 'bcifs check' shows why",
+                                  equation->state, equation->text, map->axes[0].name, also, other);
     }
     return BCIFS_OK;
 }
 
-/* The equations hold identically in the params of the axes and those that follow them; others have their values. */
+/* The equations hold identically in the params of the axes and those that follow them; others have their
+ * values. */
 static bcifs_status equations_prove(const struct survey *survey, struct report *report)
 {
     const bcifs_map *map = survey->map;
@@ -304,9 +314,10 @@ static bcifs_status start_named(struct survey *survey, const char *name, struct 
         if (strcmp(definition->name, name) != 0)
             continue;
         if (definition->argument_count > 0)
-            return report_failure(report, BCIFS_INPUT, file,
-                                  "the state '%s' takes arguments; without --state a map is of the first figure's pieces",
-                                  name);
+            return report_failure(
+                report, BCIFS_INPUT, file,
+                "the state '%s' takes arguments; without --state a map is of the first figure's pieces",
+                name);
         survey->starts[survey->start_count++] = definition;
         return BCIFS_OK;
     }
@@ -315,7 +326,8 @@ static bcifs_status start_named(struct survey *survey, const char *name, struct 
                           nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
 
-/* The edge states of the main file that take no arguments, all of them; without any, the first figure's pieces. */
+/* The edge states of the main file that take no arguments, all of them; without any, the first figure's
+ * pieces. */
 static bcifs_status starts_find(struct survey *survey, const char *name, struct report *report)
 {
     const bcifs_automaton *automaton = survey->map->automaton;
@@ -328,8 +340,8 @@ static bcifs_status starts_find(struct survey *survey, const char *name, struct 
             definition->module != automaton->modules[0])
             continue;
         if (survey->start_count == MOST_STARTS)
-            return report_failure(report, BCIFS_INPUT, file, "a map is of at most %d states; choose one with --state",
-                                  MOST_STARTS);
+            return report_failure(report, BCIFS_INPUT, file,
+                                  "a map is of at most %d states; choose one with --state", MOST_STARTS);
         survey->starts[survey->start_count++] = definition;
     }
     if (survey->start_count == 0 && automaton->figure_count == 0)
@@ -368,8 +380,11 @@ static bcifs_status reached_expand(struct trial *trial)
     return BCIFS_OK;
 }
 
-/* Where two children meet the half-tangents are the same: those at the end of one and at the start of the next. */
-static bool junction_is_smooth(const struct trial *trial, const struct tangents *tangents, size_t index, size_t child)
+enum tangency { TANGENTS_AGREE, TANGENTS_MISSING, TANGENTS_DIFFER };
+
+/* Where two children meet: the half-tangent at the end of the one and that at the start of the next. */
+static enum tangency junction_tangency(const struct trial *trial, const struct tangents *tangents,
+                                       size_t index, size_t child)
 {
     const struct state *state = &trial->states->states[index];
     double sides[2][TANGENT_MOST_POINTS];
@@ -378,35 +393,32 @@ static bool junction_is_smooth(const struct trial *trial, const struct tangents 
         const struct arc_tangents *arc = tangents_of(tangents, at);
         const double *direction = arc ? arc->ends[k == 0].direction : NULL;
         if (!direction || !direction_map(state->maps[child + k], direction, state->points, points, sides[k]))
-            return false;
+            return TANGENTS_MISSING;
     }
-    return direction_equal(sides[0], sides[1], state->points);
+    return direction_equal(sides[0], sides[1], state->points) ? TANGENTS_AGREE : TANGENTS_DIFFER;
 }
 
-/* Every junction of every arc that is reached, so that every depth has continuous tangents. */
-static bool tangents_are_continuous(const struct trial *trial, const struct tangents *tangents)
-{
-    for (size_t i = 0; i < tangents->count; i++) {
-        size_t index = tangents->arcs[i].state;
-        const struct cell *cell = trial->states->states[index].cell;
-        for (size_t child = 0; child + 1 < cell->child_count; child++)
-            if (!junction_is_smooth(trial, tangents, index, child))
-                return false;
-    }
-    return true;
-}
-
-static bcifs_status is_tangent_continuous(struct trial *trial, bool *is)
+/* The worst of all junctions of all arcs that are reached: what is true of them is true at every depth. */
+static bcifs_status tangency_find(struct trial *trial, enum tangency *worst)
 {
     struct tangents tangents;
-    *is = false;
+    *worst = TANGENTS_DIFFER;
     for (size_t i = 0; i < trial->start_count; i++)
         if (trial->states->states[trial->starts[i]].key.definition->kind != CELL_EDGE)
             return BCIFS_OK; /* it has no one parameter to have a tangent along */
     bcifs_status status = tangents_find(trial->states, trial->arena, &tangents);
-    if (status == BCIFS_OK)
-        *is = tangents.count > 0 && tangents_are_continuous(trial, &tangents);
-    return status;
+    if (status || tangents.count == 0)
+        return status;
+    *worst = TANGENTS_AGREE;
+    for (size_t i = 0; i < tangents.count; i++) {
+        size_t index = tangents.arcs[i].state;
+        const struct cell *cell = trial->states->states[index].cell;
+        for (size_t child = 0; child + 1 < cell->child_count; child++) {
+            enum tangency here = junction_tangency(trial, &tangents, index, child);
+            *worst = here > *worst ? here : *worst;
+        }
+    }
+    return BCIFS_OK;
 }
 
 /* C^1 is certified; the search ends as soon as its bounds leave 1 on one side. */
@@ -415,11 +427,11 @@ static bcifs_status state_is_smooth(struct trial *trial, size_t state, bool *is)
     *is = false;
     for (size_t k = 0; k < EFFORT_COUNT; k++) {
         struct smoothness smoothness;
-        bcifs_status status = smoothness_find(trial->states, state, EFFORTS[k] * trial->survey->effort, trial->arena,
-                                              &smoothness);
+        bcifs_status status = smoothness_find(trial->states, state, EFFORTS[k] * trial->survey->effort,
+                                              trial->arena, &smoothness);
         if (status)
             return status;
-        *is = smoothness.continuity >= 1 && smoothness.holder_lower > 1;
+        *is = smoothness.continuity >= 1 && smoothness.holder_lower > 1 && smoothness.reproduces >= 1;
         if (smoothness.holder_lower > 1 || smoothness.holder_upper <= 1)
             break;
     }
@@ -435,9 +447,9 @@ static bcifs_status is_smooth(struct trial *trial, bool *is)
     return status;
 }
 
-/* The linear part of T, rows × columns, in the basis of differences of consecutive control points: row i of the result
- * sums the rows of T beyond i, Σ_{r>i} (T[r][j+1] - T[r][j]). `error` bounds what rounding did to its entries, those of
- * T being as good as equations ask for. */
+/* The linear part of T, rows × columns, in the basis of differences of consecutive control points: row i of
+ * the result sums the rows of T beyond i, Σ_{r>i} (T[r][j+1] - T[r][j]). `error` bounds what rounding did to
+ * its entries, those of T being as good as equations ask for. */
 static void linear_part(const double *t, size_t rows, size_t columns, double *linear, double *error)
 {
     double largest = 1;
@@ -453,7 +465,8 @@ static void linear_part(const double *t, size_t rows, size_t columns, double *li
     }
 }
 
-/* The maps of all states that are reached, on differences of points, as one family of matrices, from doubles. */
+/* The maps of all states that are reached, on differences of points, as one family of matrices, from doubles.
+ */
 static bcifs_status family_quick(const struct trial *trial, struct joint_family *family)
 {
     const struct states *states = trial->states;
@@ -481,7 +494,8 @@ static bcifs_status family_quick(const struct trial *trial, struct joint_family 
     return BCIFS_OK;
 }
 
-/* The same from exact entries where they are, which keeps zeros: needed only where the quick one does not tell. */
+/* The same from exact entries where they are, which keeps zeros: needed only where the quick one does not
+ * tell. */
 static bcifs_status family_exact(const struct trial *trial, struct joint_family *family)
 {
     struct restriction restriction;
@@ -523,39 +537,45 @@ static bcifs_status contraction_find(const struct trial *trial, bcifs_map_class 
     return status;
 }
 
-/* One class needs the one before, so that the first "no" ends the search. */
+/* One class needs the one before, so that the first "no" ends the search: with q_1 H(t) = t the derivative of
+ * a C^1 arc is nowhere 0, and its direction is the half-tangent on both sides. Where half-tangents differ
+ * there is nothing to certify; where they were not found at all (eigenvalues that are nearly equal) a
+ * certificate still may be. */
 static bcifs_status trial_classify(struct trial *trial, bcifs_map_class *class)
 {
+    enum tangency tangency = TANGENTS_DIFFER;
     bool is = false;
     bcifs_status status = contraction_find(trial, class);
     if (status == BCIFS_OK && *class == BCIFS_CONTRACTIVE)
-        status = is_tangent_continuous(trial, &is);
-    if (status || !is)
+        status = tangency_find(trial, &tangency);
+    if (status || tangency == TANGENTS_DIFFER)
         return status;
-    *class = BCIFS_TANGENT_CONTINUOUS;
+    if (tangency == TANGENTS_AGREE)
+        *class = BCIFS_TANGENT_CONTINUOUS;
     status = is_smooth(trial, &is);
     if (status == BCIFS_OK && is)
         *class = BCIFS_C1;
     return status;
 }
 
-static bcifs_status starts_classify(const struct survey *survey, struct arena *arena, const struct value *values,
-                                    bcifs_map_class *class)
+static bcifs_status starts_classify(const struct survey *survey, struct arena *arena,
+                                    const struct value *values, bcifs_map_class *class)
 {
     struct setting setting = {.automaton = survey->map->automaton, .parameters = values};
     struct states states;
     struct trial trial = {.survey = survey, .arena = arena, .states = &states};
     bcifs_status status = states_create(&states, arena, &setting);
     for (size_t i = 0; i < survey->start_count && status == BCIFS_OK; i++)
-        status = states_intern(&states, (struct state_key){survey->starts[i], NULL}, &trial.starts[trial.start_count++]);
+        status = states_intern(&states, (struct state_key){survey->starts[i], NULL},
+                               &trial.starts[trial.start_count++]);
     if (status == BCIFS_OK)
         status = reached_expand(&trial);
     return status ? status : trial_classify(&trial, class);
 }
 
 /* The figure's intervals may depend on the params, so it is bound anew. */
-static bcifs_status figure_classify(const struct survey *survey, struct arena *arena, const struct value *values,
-                                    bcifs_map_class *class)
+static bcifs_status figure_classify(const struct survey *survey, struct arena *arena,
+                                    const struct value *values, bcifs_map_class *class)
 {
     bcifs_automaton here = *survey->map->automaton;
     bcifs_figure figure = {0};
@@ -650,7 +670,8 @@ static bcifs_status threads_run(struct survey *survey, unsigned wanted, struct r
         return report_memory(report);
     if (pthread_attr_init(&attributes) == 0) {
         if (pthread_attr_setstacksize(&attributes, STACK) == 0)
-            while (running + 1 < count && pthread_create(&threads[running], &attributes, thread_run, survey) == 0)
+            while (running + 1 < count &&
+                   pthread_create(&threads[running], &attributes, thread_run, survey) == 0)
                 running++;
         pthread_attr_destroy(&attributes);
     }
@@ -703,7 +724,8 @@ static bcifs_status corners_recognize(const struct survey *survey, struct report
         struct value *value = &values[map->axes[i].parameter];
         *value = (struct value){value->real, field_random(&random), true, false};
     }
-    bcifs_status status = cell_elaborate(&setting, &arena, (struct state_key){survey->starts[0], NULL}, &cell);
+    bcifs_status status =
+        cell_elaborate(&setting, &arena, (struct state_key){survey->starts[0], NULL}, &cell);
     for (size_t first = 0; first < 2 && status == BCIFS_OK && !map->cuts_corners; first++) {
         map->cut_axes[0] = first;
         map->cut_axes[1] = 1 - first;

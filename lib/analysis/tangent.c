@@ -97,9 +97,13 @@ static struct arc *child_arc(const struct finder *finder, const struct arc *arc,
 /* Adds a difference of points of the arc (destroyed), unless it is rounding only: coordinates are of order 1. */
 static void space_add(struct arc *arc, double *difference)
 {
-    double largest = 0;
+    double largest = 0, mean = 0;
     for (size_t j = 0; j < arc->points; j++)
+        mean += difference[j] / (double)arc->points;
+    for (size_t j = 0; j < arc->points; j++) {
+        difference[j] -= mean; /* rounding: its coordinates sum to 0 */
         largest = fmax(largest, fabs(difference[j]));
+    }
     if (largest > TOLERANCE_RANK)
         subspace_add(arc->space, &arc->dimension, arc->points, difference);
 }

@@ -81,6 +81,7 @@ struct bcifs_automaton {
     const struct value *values; /* of the parameters, as expressions want them */
     struct figure_definition *figures; /* of the main file */
     size_t figure_count, figure_capacity;
+    bool is_full;    /* there were more definitions than the limit */
     size_t unknowns; /* entries `?` */
 };
 

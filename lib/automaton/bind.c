@@ -17,8 +17,10 @@ static struct definition *definition_add(bcifs_automaton *automaton, struct defi
                                          struct report *report)
 {
     if (automaton->definition_count >= AUTOMATON_MOST_DEFINITIONS) {
-        report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name,
+        if (!automaton->is_full) /* once is enough */
+            report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name,
                        "more than %d states, counting products", AUTOMATON_MOST_DEFINITIONS);
+        automaton->is_full = true;
         return NULL;
     }
     struct definition *fresh = arena_new(&automaton->arena, 1, sizeof *fresh);

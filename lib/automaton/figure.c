@@ -380,7 +380,8 @@ static bcifs_status grid_piece(struct binding *binding, size_t i, size_t j, stru
     size_t found = binding->figure->states.states[piece->state].points;
     if (found != binding->widths[0] * width_b)
         return report_error(binding->report, binding->source, binding->directions[0]->place,
-                            "piece %zu has %zu control points, the first has %zu", i * binding->counts[1] + j, found,
+                            "piece %zu has %zu control points, the first has %zu",
+                            i * (surface ? binding->counts[1] : 1) + j, found,
                             binding->widths[0] * width_b);
     for (size_t a = 0; a < binding->widths[0]; a++)
         for (size_t b = 0; b < width_b; b++) {

@@ -85,7 +85,7 @@ static bcifs_status use_load(bcifs_automaton *automaton, struct module *module, 
     if (status && report->errors > errors)
         return report_error(report, module->source, use->place, "cannot use '%s'", use->path);
     struct module *used;
-    return status ? status : module_load(automaton, source, use->name, module, report, &used);
+    return status ? status : module_load(automaton, source, use, module, report, &used);
 }
 
 /* ---- Params and lets ----------------------------------------------------------------------------------- */
@@ -145,25 +145,29 @@ static bcifs_status scope_fill(bcifs_automaton *automaton, struct module *module
     if (!scope->parameters || !scope->lets)
         return report_memory(report);
     module->scope = scope;
+    bcifs_status result = BCIFS_OK;
     for (size_t i = 0; i < file->count; i++) {
         struct syntax_item *item = &file->items[i];
-        if (item->kind == ITEM_PARAMETER) {
-            struct syntax_parameter *parameter = item->parameter;
-            if (!name_is_free(scope, parameter->name, module->source, parameter->place, report))
-                continue;
-            bcifs_status status = parameter_add(automaton, module, parameter, report);
+        bool is_parameter = item->kind == ITEM_PARAMETER;
+        if (!is_parameter && item->kind != ITEM_LET)
+            continue;
+        const char *name = is_parameter ? item->parameter->name : item->let->name;
+        source_place place = is_parameter ? item->parameter->place : item->let->place;
+        if (!name_is_free(scope, name, module->source, place, report)) {
+            result = BCIFS_INPUT;
+        } else if (!is_parameter) {
+            scope->lets[scope->let_count++] = item->let;
+        } else {
+            bcifs_status status = parameter_add(automaton, module, item->parameter, report);
             if (status)
                 return status;
-            scope->parameters[scope->parameter_count++] = parameter;
-        } else if (item->kind == ITEM_LET) {
-            if (name_is_free(scope, item->let->name, module->source, item->let->place, report))
-                scope->lets[scope->let_count++] = item->let;
+            scope->parameters[scope->parameter_count++] = item->parameter;
         }
     }
-    return BCIFS_OK;
+    return result;
 }
 
-bcifs_status module_load(bcifs_automaton *automaton, const struct source *source, const char *name,
+bcifs_status module_load(bcifs_automaton *automaton, const struct source *source, const struct syntax_use *use,
                          struct module *owner, struct report *report, struct module **module)
 {
     struct syntax_file *syntax;
@@ -177,11 +181,12 @@ bcifs_status module_load(bcifs_automaton *automaton, const struct source *source
     if (!fresh)
         return report_memory(report);
     *fresh = (struct module){.source = source, .syntax = syntax, .name = "", .owner = owner};
-    if (owner && !(fresh->name = module_qualify(automaton, owner, name ? name : syntax->name)))
+    const char *name = use && use->name ? use->name : syntax->name;
+    if (owner && !(fresh->name = module_qualify(automaton, owner, name)))
         return report_memory(report);
-    if (owner && module_named(automaton, owner, name ? name : syntax->name))
-        return report_failure(report, BCIFS_INPUT, owner->source->name,
-                              "two used files are both called '%s'; name one with 'as'", fresh->name);
+    if (owner && module_named(automaton, owner, name))
+        return report_error(report, owner->source, use->name ? use->name_place : use->place,
+                            "two used files are both called '%s'; name one with 'as'", name);
     automaton->modules[automaton->module_count++] = fresh;
     *module = fresh;
     status = scope_fill(automaton, fresh, report);

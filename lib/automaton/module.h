@@ -6,8 +6,9 @@
 
 #include "automaton/automaton.h"
 
-/* Parses `source` and, recursively, the files it uses; registers their params. */
-bcifs_status module_load(bcifs_automaton *automaton, const struct source *source, const char *name,
+/* Parses `source` and, recursively, the files it uses; registers their params. `use` of the module `owner` asked for
+ * it; both are NULL for the main file. */
+bcifs_status module_load(bcifs_automaton *automaton, const struct source *source, const struct syntax_use *use,
                          struct module *owner, struct report *report, struct module **module);
 /* The module that `name` (after `use … as`) stands for in `owner`, or NULL. */
 struct module *module_named(const bcifs_automaton *automaton, const struct module *owner, const char *name);

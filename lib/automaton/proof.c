@@ -87,8 +87,10 @@ static bcifs_status equation_open(struct prover *prover, bcifs_equation_kind kin
         fresh.text = text->failed ? NULL : arena_text(&check->arena, text->data, text->length);
         fresh.file = source->name;
         source_locate(source, place, &fresh.line, &column);
-        if (!fresh.text || !ARENA_RESERVE(&check->arena, check->equations, check->count, check->capacity))
+        if (!fresh.text || !ARENA_RESERVE(&check->arena, check->equations, check->count, check->capacity) ||
+            !ARENA_RESERVE(&check->arena, check->places, check->count, check->place_capacity))
             return out_of_memory(prover);
+        check->places[check->count] = (struct equation_place){source, place};
         check->equations[check->count++] = fresh;
     }
     /* Every round enumerates alike; the guard only keeps a surprise from writing past the end. */
@@ -380,13 +382,13 @@ static bcifs_status check_join(struct prover *prover, const struct cell *cell, c
 }
 
 /* Whether the file asserts this very gluing, so that it is an equation already. */
-static bool is_joined(const struct cell *cell, const struct side *a, const struct side *b)
+static bool is_joined(const struct cell *cell, const struct side *a, const struct side *b, bool backwards)
 {
     const struct side *sides[2] = {a, b};
     for (size_t i = 0; i < cell->join_count; i++)
         for (int turned = 0; turned < 2; turned++) {
             const struct cell_join *join = &cell->joins[i];
-            bool same = !join->reversed;
+            bool same = join->reversed == backwards;
             for (int k = 0; k < 2; k++)
                 same = same && join->child[k] == sides[k ^ turned]->child &&
                        strcmp(join->boundary[k], sides[k ^ turned]->boundary->name) == 0;
@@ -396,6 +398,22 @@ static bool is_joined(const struct cell *cell, const struct side *a, const struc
     return false;
 }
 
+/* T_i Π_γ = T_j Π_δ, or with the second run backwards; vertices have no direction. NULL: neither. */
+static const struct value_matrix *glued(struct prover *prover, const struct side *a, const struct side *b,
+                                        bool *backwards)
+{
+    *backwards = false;
+    if (a->child == b->child || !state_key_equal(a->boundary->state, b->boundary->state))
+        return NULL;
+    if (sides_agree(a->operator, b->operator))
+        return b->operator;
+    *backwards = true;
+    if (a->boundary->state.definition->kind != CELL_EDGE)
+        return NULL;
+    const struct value_matrix *turned = reversed(prover->arena, b->operator);
+    return turned && sides_agree(a->operator, turned) ? turned : NULL;
+}
+
 /* Sides of two children that are found to coincide: the engine glues them without being told. */
 static bcifs_status check_gluing(struct prover *prover, const struct cell *cell, const struct side *sides,
                                  size_t count)
@@ -403,16 +421,16 @@ static bcifs_status check_gluing(struct prover *prover, const struct cell *cell,
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < count; i++)
         for (size_t j = i + 1; j < count && status == BCIFS_OK; j++) {
-            if (sides[i].child == sides[j].child ||
-                !state_key_equal(sides[i].boundary->state, sides[j].boundary->state) ||
-                is_joined(cell, &sides[i], &sides[j]) || !sides_agree(sides[i].operator, sides[j].operator))
+            bool backwards;
+            const struct value_matrix *other = glued(prover, &sides[i], &sides[j], &backwards);
+            if (!other || is_joined(cell, &sides[i], &sides[j], backwards))
                 continue;
             struct text text = {0};
-            text_format(&text, "T%zu·%s = T%zu·%s", sides[i].child, sides[i].boundary->name, sides[j].child,
-                        sides[j].boundary->name);
+            text_format(&text, "T%zu·%s = T%zu·%s%s", sides[i].child, sides[i].boundary->name, sides[j].child,
+                        sides[j].boundary->name, backwards ? " reversed" : "");
             const struct cell_child *child = &cell->children[sides[j].child];
             status = equation_decide(prover, BCIFS_ADJACENCY, &text, child->source, child->place,
-                                     sides[i].operator, sides[j].operator);
+                                     sides[i].operator, other);
         }
     return status;
 }
@@ -785,6 +803,19 @@ size_t bcifs_check_equation_count(const bcifs_check *check)
 const bcifs_equation *bcifs_check_equation(const bcifs_check *check, size_t index)
 {
     return index < check->count ? &check->equations[index] : NULL;
+}
+
+bcifs_status bcifs_check_require(const bcifs_check *check, const bcifs_load_options *options, bcifs_error *error)
+{
+    struct report report = report_new(options);
+    for (size_t i = 0; i < check->count && report.errors == 0; i++)
+        if (!check->equations[i].holds)
+            report_error(&report, check->places[i].source, check->places[i].place,
+                         "'%s' does not satisfy %s; 'bcifs check' shows why", check->equations[i].state,
+                         check->equations[i].text);
+    if (report.errors > 0)
+        report.first.status = BCIFS_NO;
+    return report_close(&report, error);
 }
 
 void bcifs_check_contraction(const bcifs_check *check, double *lower, double *upper, const char **product)

@@ -45,11 +45,18 @@ struct state_summary {
     const char **boundary_states;
 };
 
+/* Where an equation's map or boundary stands. */
+struct equation_place {
+    const struct source *source;
+    source_place place;
+};
+
 struct bcifs_check {
     struct arena arena;
     const bcifs_automaton *automaton;
     bcifs_equation *equations;
-    size_t count, capacity;
+    struct equation_place *places; /* one for each equation */
+    size_t count, capacity, place_capacity;
     struct state_summary *states;
     size_t state_count, state_capacity;
     bool valid;

@@ -87,17 +87,9 @@ int equations_check(const struct arguments *arguments, const bcifs_automaton *au
     bcifs_status status = bcifs_check_create(automaton, &options, &check, &error);
     if (status)
         return exit_of(status);
-    bool valid = bcifs_check_valid(check);
-    for (size_t i = 0; !valid && i < bcifs_check_equation_count(check); i++) {
-        const bcifs_equation *equation = bcifs_check_equation(check, i);
-        if (equation->holds)
-            continue;
-        fprintf(stderr, "%s:%u: error: '%s' does not satisfy %s; 'bcifs check' shows why\n", equation->file,
-                equation->line, equation->state, equation->text);
-        break;
-    }
+    status = bcifs_check_require(check, &options, &error);
     bcifs_check_free(check);
-    return valid ? EXIT_YES : EXIT_NO;
+    return exit_of(status);
 }
 
 int text_output(const struct arguments *arguments, char *text)

@@ -41,7 +41,8 @@ static int options_read(const struct arguments *arguments, bcifs_map_options *op
         return complain("--effort: expected a number above 0, at most 1000, found '%s'", arguments->effort);
     if (status == EXIT_YES && arguments->threads)
         status = unsigned_read("--threads", arguments->threads, &options->threads);
-    if (status == EXIT_YES && arguments->threads && (options->threads == 0 || options->threads > MOST_THREADS))
+    if (status == EXIT_YES && arguments->threads &&
+        (options->threads == 0 || options->threads > MOST_THREADS))
         return complain("--threads: expected a whole number from 1 to %d, found '%s'", MOST_THREADS,
                         arguments->threads);
     if (status == EXIT_YES && arguments->width)
@@ -119,8 +120,10 @@ const struct command command_map = {
     .name = "map",
     .usage = "FILE --over NAME=LOW..HIGH:COUNT [options]",
     .summary = "where in the plane of its params a scheme is contractive, tangent continuous, C^1",
-    .text = "COUNT values from LOW to HIGH, both included; at most 2^22 grid points. The equations must hold for all\n"
-            "values of these params (exit status 1 otherwise). A class includes those before it: not-contractive,\n"
+    .text = "COUNT values from LOW to HIGH, both included; at most 2^22 grid points. The equations must hold "
+            "for all\n"
+            "values of these params (exit status 1 otherwise). A class includes those before it: "
+            "not-contractive,\n"
             "contractive, tangent-continuous, C1 (certified); or else undecided.\n",
     .options = options_list,
     .run = run,

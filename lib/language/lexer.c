@@ -228,6 +228,12 @@ bcifs_status syntax_scan(struct arena *arena, const struct source *source, struc
         s.at = 3;
     skip_space(&s);
     while (s.at < source->length && !s.out_of_memory && !report_is_full(report)) {
+        if (file->token_count == SYNTAX_MOST_TOKENS) {
+            report_error(report, source, (source_place)s.at, "the file has more than %d words and signs",
+                         SYNTAX_MOST_TOKENS);
+            s.failed = true;
+            break;
+        }
         scan_token(&s);
         skip_space(&s);
     }

@@ -544,6 +544,8 @@ bcifs_status syntax_parse(struct arena *arena, const struct source *source, stru
         return report_memory(report);
     if (syntax_scan(arena, source, report, p.file) == BCIFS_MEMORY)
         return BCIFS_MEMORY;
+    if (p.file->token_count > SYNTAX_MOST_TOKENS)
+        return BCIFS_INPUT; /* reported; half a file would only give echoes */
     parse_file(&p);
     if (p.out_of_memory)
         return report_memory(report);

@@ -67,6 +67,31 @@ static void cut_line(const char *text, size_t place, size_t *start, size_t *end)
     *end = to;
 }
 
+/* The length of the character at `bytes` when it may be shown on a terminal; 0 for control characters and what is not
+ * UTF-8, of which the file may be full: that is being reported. */
+static size_t shown_length(const unsigned char *bytes, size_t length)
+{
+    if (bytes[0] < 0x80)
+        return bytes[0] == '\t' || (bytes[0] >= 0x20 && bytes[0] != 0x7f);
+    size_t wanted = bytes[0] >= 0xf0 ? 4 : bytes[0] >= 0xe0 ? 3 : 2;
+    if (bytes[0] < 0xc2 || bytes[0] > 0xf4 || wanted > length || (bytes[0] == 0xc2 && bytes[1] < 0xa0))
+        return 0;
+    for (size_t i = 1; i < wanted; i++)
+        if (!is_continuation((char)bytes[i]))
+            return 0;
+    return wanted;
+}
+
+static void mask_unshown(char *text, size_t length)
+{
+    for (size_t i = 0; i < length;) {
+        size_t shown = shown_length((const unsigned char *)text + i, length - i);
+        if (shown == 0)
+            text[i] = '?';
+        i += shown ? shown : 1;
+    }
+}
+
 /* Writes the line around `place` and a caret below it; false when the line is blank, as at the end of a file.
  */
 static bool write_excerpt(const struct source *source, size_t place, char out[EXCERPT_SIZE])
@@ -92,16 +117,18 @@ static bool write_excerpt(const struct source *source, size_t place, char out[EX
 
     if (start > line_start)
         used += (size_t)sprintf(out, "%s", ELLIPSIS);
-    memcpy(out + used, text + start, end - start);
+    char *line = out + used;
+    memcpy(line, text + start, end - start);
+    mask_unshown(line, end - start);
     used += end - start;
     if (end < line_end)
         used += (size_t)sprintf(out + used, "%s", ELLIPSIS);
     out[used++] = '\n';
     if (start > line_start)
         out[used++] = ' ';
-    for (size_t i = start; i < place; i++)
-        if (!is_continuation(text[i]))
-            out[used++] = text[i] == '\t' ? '\t' : ' ';
+    for (size_t i = 0; i < place - start; i++)
+        if (!is_continuation(line[i]))
+            out[used++] = line[i] == '\t' ? '\t' : ' ';
     out[used++] = '^';
     out[used] = '\0';
     return true;

@@ -16,8 +16,9 @@
 enum {
     SYNTAX_DEEPEST = 200,          /* nesting of parentheses, calls, signs, powers and `for` */
     SYNTAX_TALLEST = 1000,         /* height of an expression's tree: a sum of that many terms */
+    SYNTAX_MOST_TOKENS = 1 << 21,  /* of one file: twice what its largest matrix takes */
     SYNTAX_LONGEST_NAME = 128,     /* bytes of a name */
-    SYNTAX_MOST_ENTRIES = 1 << 22, /* entries of one matrix */
+    SYNTAX_MOST_ENTRIES = 1 << 20, /* entries of one matrix: 1024 x 1024 */
     SYNTAX_MOST_ARGUMENTS = 16     /* of a state or a let */
 };
 

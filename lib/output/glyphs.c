@@ -119,8 +119,8 @@ static void unit_cover(struct canvas *canvas, long x, long y, unsigned scale)
                 canvas->coverage[(size_t)row * canvas->width + (size_t)column] = 255;
 }
 
-static void glyph_cover(struct canvas *canvas, const struct glyph *glyph, unsigned first, unsigned last, long x, long y,
-                        unsigned scale)
+static void glyph_cover(struct canvas *canvas, const struct glyph *glyph, unsigned first, unsigned last,
+                        long x, long y, unsigned scale)
 {
     for (unsigned row = 0; row < ROWS; row++)
         for (unsigned column = first; column < last; column++)

@@ -1,5 +1,6 @@
-/* Glyphs: the letters of pixel pictures, drawn for this purpose on a grid of 5 × 9: seven rows above the base line, two
- * below. ASCII letters and digits, what numbers, names and equations need; a box for everything else. */
+/* Glyphs: the letters of pixel pictures, drawn for this purpose on a grid of 5 × 9: seven rows above the base
+ * line, two below. ASCII letters and digits, what numbers, names and equations need; a box for everything
+ * else. */
 #ifndef OUTPUT_GLYPHS_H
 #define OUTPUT_GLYPHS_H
 

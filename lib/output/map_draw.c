@@ -23,8 +23,8 @@ static const double FONT = 17, MARGIN = 18, TICK = 7, GAP = 9, STRIP = 84, SWATC
 
 static const struct color INK = {0x1c, 0x1c, 0x1c}, PAPER = {0xff, 0xff, 0xff};
 
-/* A class that includes another is a darker blue, so the order also shows in gray print and to color-blind eyes; what
- * is no answer is orange. */
+/* A class that includes another is a darker blue, so the order also shows in gray print and to color-blind
+ * eyes; what is no answer is orange. */
 static const struct color COLORS[CLASSES] = {[BCIFS_UNDECIDED] = {0xf0, 0xb3, 0x5a},
                                              [BCIFS_NOT_CONTRACTIVE] = {0xee, 0xec, 0xe8},
                                              [BCIFS_CONTRACTIVE] = {0xbf, 0xd7, 0xea},
@@ -36,8 +36,8 @@ static const char *const WORDS[CLASSES] = {[BCIFS_UNDECIDED] = "undecided",
                                            [BCIFS_TANGENT_CONTINUOUS] = "tangent continuous",
                                            [BCIFS_C1] = "C\xc2\xb9 (certified)"};
 /* The order of the legend. */
-static const bcifs_map_class LEGEND[CLASSES] = {BCIFS_NOT_CONTRACTIVE, BCIFS_CONTRACTIVE, BCIFS_TANGENT_CONTINUOUS,
-                                                BCIFS_C1, BCIFS_UNDECIDED};
+static const bcifs_map_class LEGEND[CLASSES] = {BCIFS_NOT_CONTRACTIVE, BCIFS_CONTRACTIVE,
+                                                BCIFS_TANGENT_CONTINUOUS, BCIFS_C1, BCIFS_UNDECIDED};
 
 struct tick {
     double value;
@@ -150,7 +150,8 @@ static double place_y(const struct chart *chart, double value)
     return chart->plot.y1 - share * (chart->plot.y1 - chart->plot.y0);
 }
 
-/* Where the field of node k of an axis begins, as a value: half-way to the node before; node `count` ends the last. */
+/* Where the field of node k of an axis begins, as a value: half-way to the node before; node `count` ends the
+ * last. */
 static double field_edge(const struct map_axis *axis, size_t k)
 {
     if (k == 0 || k == axis->count)
@@ -264,8 +265,8 @@ static bool boxes_meet(const struct box *a, const struct box *b)
     return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
 }
 
-/* Whether the falling segment passes through the box: the lower left corner and the upper right one lie on different
- * sides of it. */
+/* Whether the falling segment passes through the box: the lower left corner and the upper right one lie on
+ * different sides of it. */
 static bool line_meets(const struct condition *line, const struct box *box)
 {
     double dx = line->x1 - line->x0, dy = line->y1 - line->y0;
@@ -278,8 +279,8 @@ static bool line_meets(const struct condition *line, const struct box *box)
 static bool label_fits(const struct chart *chart, const struct box *box)
 {
     double edge = 4 * chart->unit;
-    if (box->x0 < chart->plot.x0 + edge || box->x1 > chart->plot.x1 - edge || box->y0 < chart->plot.y0 + edge ||
-        box->y1 > chart->plot.y1 - edge)
+    if (box->x0 < chart->plot.x0 + edge || box->x1 > chart->plot.x1 - edge ||
+        box->y0 < chart->plot.y0 + edge || box->y1 > chart->plot.y1 - edge)
         return false;
     for (size_t i = 0; i < chart->condition_count; i++)
         if (line_meets(&chart->conditions[i], box) || boxes_meet(&chart->conditions[i].box, box))
@@ -313,9 +314,11 @@ static bool ground_is_plain(const struct chart *chart, const struct box *box)
 }
 
 /* A label's box on the upper right (side 0) or lower left of its line, `share` of the way down. */
-static struct box label_box(const struct chart *chart, const struct condition *condition, int side, double share)
+static struct box label_box(const struct chart *chart, const struct condition *condition, int side,
+                            double share)
 {
-    double gap = GAP * chart->unit, width = text_width(chart, condition->label.data), height = text_height(chart);
+    double gap = GAP * chart->unit, width = text_width(chart, condition->label.data),
+           height = text_height(chart);
     double x = condition->x0 + share * (condition->x1 - condition->x0);
     double y = condition->y0 + share * (condition->y1 - condition->y0);
     if (side == 0)
@@ -393,7 +396,8 @@ static void words_draw(const struct chart *chart, double x, double y, double sha
 {
     static const char *const anchors[] = {"start", "middle", "end"};
     if (chart->canvas) {
-        glyphs_cover(chart->canvas, lround(x - share * text_width(chart, text)), lround(y), glyph_scale(chart), text);
+        glyphs_cover(chart->canvas, lround(x - share * text_width(chart, text)), lround(y),
+                     glyph_scale(chart), text);
         canvas_paint(chart->canvas, INK, 1);
         return;
     }
@@ -465,7 +469,7 @@ struct run {
 
 struct sheet {
     const struct chart *chart;
-    double *columns, *rows; /* edges, in pixels */
+    double *columns, *rows;  /* edges, in pixels */
     struct run *open, *next; /* by the first column */
     size_t written;
 };
@@ -473,7 +477,8 @@ struct sheet {
 static void rectangle_write(struct sheet *sheet, size_t first, size_t end, size_t low, size_t high)
 {
     struct file *file = sheet->chart->svg;
-    double x0 = sheet->columns[first], x1 = sheet->columns[end], y0 = sheet->rows[high], y1 = sheet->rows[low];
+    double x0 = sheet->columns[first], x1 = sheet->columns[end], y0 = sheet->rows[high],
+           y1 = sheet->rows[low];
     fixed_write(file, sheet->written++ % LINE_RECTANGLES ? "M" : "\nM", x0, " ");
     fixed_write(file, "", y0, "H");
     fixed_write(file, "", x1, "V");
@@ -530,7 +535,8 @@ static void fields_paint(const struct sheet *sheet)
     for (size_t j = 0; j < map->rows; j++)
         for (size_t i = 0; i < map->columns; i++)
             for (long row = lround(sheet->rows[j + 1]); row < lround(sheet->rows[j]); row++)
-                for (long column = lround(sheet->columns[i]); column < lround(sheet->columns[i + 1]); column++)
+                for (long column = lround(sheet->columns[i]); column < lround(sheet->columns[i + 1]);
+                     column++)
                     pixel_set(sheet->chart->canvas, column, row, COLORS[map->classes[j * map->columns + i]]);
 }
 
@@ -545,8 +551,8 @@ static bcifs_status fields_draw(const struct chart *chart)
     else if (chart->canvas)
         fields_paint(&sheet);
     else
-        for (size_t class = 0; class < CLASSES; class++)
-            class_write(&sheet, (bcifs_map_class)class);
+        for (size_t class = 0; class < CLASSES; class ++)
+            class_write(&sheet, (bcifs_map_class) class);
     memory_free(sheet.columns);
     memory_free(sheet.rows);
     memory_free(first);
@@ -603,10 +609,11 @@ static bcifs_status chart_draw(const struct chart *chart)
 static bcifs_status chart_open(struct chart *chart, const bcifs_map *map, const struct job *job, bool pixels)
 {
     enum { LEAST = 240 };
-    *chart = (struct chart){.map = map, .job = job, .pixels = pixels, .width = job->width, .unit = job->width / 1000.0};
+    *chart = (struct chart){
+        .map = map, .job = job, .pixels = pixels, .width = job->width, .unit = job->width / 1000.0};
     if (job->width < LEAST || job->width > PICTURE_MOST_WIDTH / 2)
-        return report_failure(job->report, BCIFS_INPUT, NULL, "a map is drawn %d to %d pixels wide, found %u", LEAST,
-                              PICTURE_MOST_WIDTH / 2, job->width);
+        return report_failure(job->report, BCIFS_INPUT, NULL, "a map is drawn %d to %d pixels wide, found %u",
+                              LEAST, PICTURE_MOST_WIDTH / 2, job->width);
     chart->unit = fmax(chart->unit, 0.75);
     for (size_t i = 0; i < map->columns * map->rows; i++)
         chart->counts[map->classes[i]]++;
@@ -688,7 +695,8 @@ static void metadata_write(const struct chart *chart)
     file_text(file, "</metadata>\n");
 }
 
-static void size_write(struct file *file, const char *before, unsigned width, const char *between, unsigned height)
+static void size_write(struct file *file, const char *before, unsigned width, const char *between,
+                       unsigned height)
 {
     file_text(file, before);
     file_integer(file, width);
@@ -714,8 +722,8 @@ static void head_write(const struct chart *chart)
     file_text(file, "/>\n<g");
     color_write(file, " stroke", INK);
     color_write(file, " fill", INK);
-    fixed_write(file, " stroke-linecap=\"square\" font-family=\"sans-serif\" font-size=\"", FONT * chart->unit,
-                "\">\n<style>text{stroke:none}</style>\n");
+    fixed_write(file, " stroke-linecap=\"square\" font-family=\"sans-serif\" font-size=\"",
+                FONT * chart->unit, "\">\n<style>text{stroke:none}</style>\n");
 }
 
 bcifs_status map_svg_write(const bcifs_map *map, const struct job *job, struct file *file)

@@ -1,5 +1,5 @@
-/* Map drawing: a parameter map as a picture: fields of color over one or two axes, what the colors mean, and the exact
- * conditions where they are known. Vectors and pixels show the same; letters differ. */
+/* Map drawing: a parameter map as a picture: fields of color over one or two axes, what the colors mean, and
+ * the exact conditions where they are known. Vectors and pixels show the same; letters differ. */
 #ifndef OUTPUT_MAP_DRAW_H
 #define OUTPUT_MAP_DRAW_H
 

@@ -62,7 +62,8 @@ bcifs_status bcifs_map_write(const bcifs_map *map, const char *path, const bcifs
                       .sources = sources,
                       .width = options->width ? options->width : PICTURE_DEFAULT_WIDTH,
                       .report = &report};
-    for (; job.source_count < automaton->module_count && job.source_count < AUTOMATON_MOST_MODULES; job.source_count++)
+    for (; job.source_count < automaton->module_count && job.source_count < AUTOMATON_MOST_MODULES;
+         job.source_count++)
         sources[job.source_count] = automaton->modules[job.source_count]->source;
     bcifs_status status = format_choose(path, options->format, &report, &index);
     if (status == BCIFS_OK)

@@ -484,6 +484,11 @@ END
     is($status, 0, 'a join of reversed sides holds');
     is((checked($turned =~ s/ reversed//r))[2], 1, 'and not without the word');
 
+    {
+        my ($found) = checked($turned =~ s/^  join .* reversed\n//mr);
+        ok($found->{'pair T0·north = T1·north reversed'}, 'reversed sides are found without join');
+    }
+
     # The product of two lines is the bilinear face.
     my ($product) = checked("$quad\nface sheet = side * side");
     my @both = map { my $state = $_; [ sort map { $_->{kind} } grep { $_->{state} eq $state } values %$product ] } qw(quad sheet);

@@ -187,12 +187,15 @@ sub test_bezier
     ok(@$circle == 256 && $off < 3e-4 && $off > 2e-4, "the circle is one to 3/10000 ($off)");
 }
 
-# Knots of which interval j is intervals[j]; the two outermost do not matter within the domain.
+# Knots of which interval j is intervals[j], 0 being the start of interval `origin`: a short interval far from 0
+# would lose its digits. The two outermost knots do not matter within the domain.
 sub knots_of
 {
-    my @knots = (-1, 0);
-    push @knots, $knots[-1] + $_ for @_;
-    return (@knots, $knots[-1] + 1);
+    my ($origin, @intervals) = @_;
+    my @knots = (0);
+    unshift @knots, $knots[0] - $intervals[$_] for reverse 0 .. $origin - 1;
+    push @knots, $knots[-1] + $intervals[$_] for $origin .. $#intervals;
+    return ($knots[0] - 1, @knots, $knots[-1] + 1);
 }
 
 sub test_nonuniform
@@ -210,10 +213,9 @@ sub test_nonuniform
             my $file = with_figure('nonuniform-quadratic', "$kind intervals [ @intervals ]", @controls);
             my @lengths = map { fraction($_) } @intervals, $closed ? @intervals[ 0, 1 ] : ();
             my @extended = (@controls, $closed ? @controls[ 0, 1 ] : ());
-            my @knots = knots_of(@lengths);
             # Piece i lives on interval i + 1.
             my $expected = along($pieces, 64, $closed,
-                sub { bspline(2, \@knots, \@extended, $knots[ 2 + $_[0] ] * (1 - $_[1]) + $knots[ 3 + $_[0] ] * $_[1]) });
+                sub { bspline(2, [ knots_of($_[0] + 1, @lengths) ], \@extended, $lengths[ $_[0] + 1 ] * $_[1]) });
             my $found = points(2, $file, '--figure', 'extra', '--depth', 6);
             $good &&= agree($found, $expected, $promised, "seed $seed, $kind, intervals @intervals");
         }

@@ -350,10 +350,12 @@ static void test_addresses(void)
                 length += snprintf(address + length, sizeof address - (size_t)length, "%zu", child);
             }
             double point[16], error = 0;
-            good = good && bcifs_point_at_address(figure, address, point, NULL) == BCIFS_OK;
+            if (bcifs_point_at_address(figure, address, point, NULL) != BCIFS_OK)
+                point[0] = NAN;
             for (size_t c = 0; c < dimension; c++)
                 error = fmax(error, fabs(point[c] - whole[position * dimension + c]));
-            if (!(error <= 1e-15 * size)) {
+            /* Two orders of multiplying a dozen maps, entries up to 5/4. */
+            if (isnan(point[0]) || !(error <= 4e-15 * size)) {
                 note("%s: point %llu, address %s: error %g of %g", samples[i].name, (unsigned long long)position,
                      address, error, size);
                 good = false;
