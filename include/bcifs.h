@@ -144,8 +144,8 @@ BCIFS_PUBLIC size_t bcifs_check_equation_count(const bcifs_check *check);
 BCIFS_PUBLIC const bcifs_equation *bcifs_check_equation(const bcifs_check *check, size_t index);
 
 /* Bounds of the joint spectral radius of the linear parts of all maps, for the params' values: below 1 the
- * automaton is contractive. Both are computed in doubles. `product`, the word of maps that attains `lower`
- * ("arc: 0 1"), is valid as long as the check. */
+ * automaton is contractive. Rounding is accounted for. `upper` is infinite when nothing bounds it. `product`, the word
+ * of maps that attains `lower` ("arc: 0 1"), is valid as long as the check. */
 BCIFS_PUBLIC void bcifs_check_contraction(const bcifs_check *check, double *lower, double *upper,
                                           const char **product);
 

@@ -655,6 +655,10 @@ static bcifs_status linear(const struct expression *expression, struct environme
     bcifs_status status = enter(expression, environment);
     if (status)
         return status;
+    if (!has_point(expression, environment)) {
+        environment->depth--;
+        return linear_constant(expression, environment);
+    }
     switch (expression->kind) {
     case EXPRESSION_POINT:
         status = linear_point(expression, environment, scale, column, count);
@@ -672,16 +676,13 @@ static bcifs_status linear(const struct expression *expression, struct environme
         break;
     case EXPRESSION_MULTIPLY:
     case EXPRESSION_DIVIDE:
-        if (has_point(expression, environment))
-            status = linear_scaled(expression, environment, scale, column, count);
-        else
-            status = linear_constant(expression, environment);
+        status = linear_scaled(expression, environment, scale, column, count);
         break;
     case EXPRESSION_SUM:
         status = linear_sum(expression, environment, scale, column, count);
         break;
     default:
-        status = linear_constant(expression, environment);
+        status = complain(environment, expression->place, "this is not linear in the control points p[…]");
         break;
     }
     environment->depth--;

@@ -3,16 +3,62 @@
 #include <float.h>
 #include <math.h>
 
-enum { MOST_ITERATIONS = 60 }; /* of QR for one eigenvalue; 3 or 4 are usual */
+enum { MOST_ITERATIONS = 120 }; /* of QR for one eigenvalue; 3 or 4 are usual, Jordan blocks take tens */
+
+static void swap(double *a, double *b)
+{
+    double keep = *a;
+    *a = *b;
+    *b = keep;
+}
+
+/* Exchanges two rows and the two columns of the same numbers. */
+static void exchange(double *a, size_t size, size_t p, size_t q)
+{
+    for (size_t j = 0; j < size && p != q; j++)
+        swap(&a[p * size + j], &a[q * size + j]);
+    for (size_t i = 0; i < size && p != q; i++)
+        swap(&a[i * size + p], &a[i * size + q]);
+}
+
+/* Whether row (or column) i has only zeros beside the diagonal, within low … high - 1. */
+static bool is_isolated(const double *a, size_t size, size_t low, size_t high, size_t i, bool row)
+{
+    for (size_t j = low; j < high; j++)
+        if (j != i && a[row ? i * size + j : j * size + i] != 0)
+            return false;
+    return true;
+}
+
+/* Brings isolated rows to the end and isolated columns to the front: their diagonal entries are eigenvalues, and
+ * low … high - 1 is what remains. Large entries beside them would spoil the scaling of the rest. */
+static void isolate(double *a, size_t size, size_t *low, size_t *high)
+{
+    *low = 0;
+    *high = size;
+    for (bool found = true; found;) {
+        found = false;
+        for (size_t i = *low; i < *high && !found; i++)
+            if (is_isolated(a, size, *low, *high, i, true)) {
+                exchange(a, size, i, --*high);
+                found = true;
+            } else if (is_isolated(a, size, *low, *high, i, false)) {
+                exchange(a, size, i, (*low)++);
+                found = true;
+            }
+    }
+}
 
 /* Scales rows and columns by powers of 2 until they have comparable norms: D^-1 A D, D diagonal. */
 static void balance(double *a, size_t size)
 {
+    size_t low, high;
+    isolate(a, size, &low, &high);
     for (bool done = false; !done;) {
         done = true;
-        for (size_t i = 0; i < size; i++) {
+        for (size_t i = low; i < high; i++) {
             double row = 0, column = 0;
-            for (size_t j = 0; j < size; j++)
+            for (size_t j = low; j < high; j++)
                 if (j != i) {
                     column += fabs(a[j * size + i]);
                     row += fabs(a[i * size + j]);
@@ -33,13 +79,6 @@ static void balance(double *a, size_t size)
                 a[j * size + i] *= factor;
         }
     }
-}
-
-static void swap(double *a, double *b)
-{
-    double keep = *a;
-    *a = *b;
-    *b = keep;
 }
 
 /* To upper Hessenberg form by elimination with pivoting; what is eliminated is set to 0. */
@@ -209,7 +248,7 @@ static bool hessenberg_eigenvalues(double *h, size_t size, double *real, double 
         if (iteration == MOST_ITERATIONS)
             return false;
         /* An exceptional shift breaks cycles. */
-        if (iteration == 10 || iteration == 20) {
+        if (iteration % 10 == 0 && iteration > 0) {
             shift += x;
             for (size_t i = 0; i <= n; i++)
                 h[i * size + i] -= x;

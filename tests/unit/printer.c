@@ -176,10 +176,10 @@ static void test_matrices(void)
           "automaton t\n"
           "\n"
           "edge e 2 {\n"
-          "  sub long(u,v) [ 1-a b\n"
+          "  sub long(u,v) [  1-a b\n"
           "\n"
-          "                  -c  (1-d)\n"
-          "                  0   0 ]\n"
+          "                  -c   (1-d)\n"
+          "                   0   0 ]\n"
           "  sub e [ 1 2 ]\n"
           "}\n");
     check("rows that do not fit on one line are broken",
@@ -234,7 +234,7 @@ static void test_rules(void)
           "automaton t\n\nedge e 2 {\n"
           "  sub e {\n"
           "    q[0] = p[0]\n"
-          "    for i in 0..n - 1 { q[i] = p[i]  q[1] = 0 }\n"
+          "    for i in 0..n-1 { q[i] = p[i]  q[1] = 0 }\n"
           "    for j in 0.. .5 {\n"
           "    }\n"
           "\n"
