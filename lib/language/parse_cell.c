@@ -224,14 +224,9 @@ static bool parse_product(struct parser *p, struct syntax_cell *cell)
         return false;
     }
     p->next++;
-    if (!(cell->factors[0] = parse_reference(p, "the first edge of the product")) ||
-        !parser_expect_mark(p, "*", "between the edges of the product"))
-        return false;
-    if (parser_item_at_margin(p, p->next)) { /* the next item's keyword is not a name here */
-        parser_expected(p, "the second edge of the product");
-        return false;
-    }
-    return (cell->factors[1] = parse_reference(p, "the second edge of the product")) != NULL;
+    return (cell->factors[0] = parse_reference(p, "the first edge of the product")) != NULL &&
+           parser_expect_mark(p, "*", "between the edges of the product") &&
+           (cell->factors[1] = parse_reference(p, "the second edge of the product")) != NULL;
 }
 
 /* [ expr | "affine" NUMBER ] */
