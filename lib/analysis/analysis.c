@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "automaton/proof.h"
-#include "numeric/eigen.h"
 #include "numeric/matrix.h"
 #include "numeric/tolerance.h"
 
@@ -13,27 +12,13 @@
 static bcifs_status spectra_find(struct bcifs_analysis *analysis, struct edge_analysis *edge)
 {
     const struct state *state = &analysis->states.states[edge->state];
-    size_t m = edge->points;
     struct spectrum *maps = arena_new(&analysis->arena, edge->child_count, sizeof *maps);
-    if (!maps)
-        return BCIFS_MEMORY;
+    bcifs_status status = maps ? BCIFS_OK : BCIFS_MEMORY;
     edge->maps = maps;
-    for (size_t i = 0; i < edge->child_count; i++) {
-        if (analysis->states.states[state->children[i]].points != m)
-            continue;
-        double *copy = arena_grow(&analysis->arena, state->maps[i], m * m, m * m, sizeof *copy);
-        double *re = arena_new(&analysis->arena, m, sizeof *re), *im = arena_new(&analysis->arena, m, sizeof *im);
-        if (!copy || !re || !im)
-            return BCIFS_MEMORY;
-        if (!eigenvalues(copy, m, re, im))
-            continue;
-        /* A double eigenvalue that rounding has split into a pair is shown as what it is. */
-        for (size_t k = 0; k < m; k++)
-            if (fabs(im[k]) <= 1e-8 * TOLERANCE_CLUSTER * hypot(re[0], im[0]))
-                im[k] = 0;
-        maps[i] = (struct spectrum){re, im, m};
-    }
-    return BCIFS_OK;
+    for (size_t i = 0; i < edge->child_count && status == BCIFS_OK; i++)
+        if (analysis->states.states[state->children[i]].points == edge->points)
+            status = spectrum_find(state->maps[i], edge->points, &analysis->arena, &maps[i]);
+    return status;
 }
 
 static const char *junction_reason(const struct half_tangent *end, const struct half_tangent *start,
@@ -53,8 +38,9 @@ static bcifs_status junction_find(struct bcifs_analysis *analysis, struct edge_a
 {
     const struct state *state = &analysis->states.states[edge->state];
     struct junction *junction = &edge->junctions[i];
-    const struct half_tangent *halves[2] = {&tangents_of(&analysis->tangents, state->children[i])->ends[1],
-                                            &tangents_of(&analysis->tangents, state->children[i + 1])->ends[0]};
+    const struct half_tangent *halves[2] = {
+        &tangents_of(&analysis->tangents, state->children[i])->ends[1],
+        &tangents_of(&analysis->tangents, state->children[i + 1])->ends[0]};
     const double **sides[2] = {&junction->left, &junction->right};
     for (size_t side = 0; side < 2; side++) {
         double *mapped = arena_new(&analysis->arena, edge->points, sizeof *mapped);
@@ -78,7 +64,8 @@ static bcifs_status edge_analyze(struct bcifs_analysis *analysis, const struct a
     const struct state *state = &analysis->states.states[arc->state];
     struct text name = {0};
     state_name(&state->key, &name);
-    *edge = (struct edge_analysis){.name = name.failed ? NULL : arena_text(&analysis->arena, name.data, name.length),
+    *edge = (struct edge_analysis){.name = name.failed ? NULL
+                                                       : arena_text(&analysis->arena, name.data, name.length),
                                    .state = arc->state,
                                    .points = state->points,
                                    .child_count = state->cell->child_count,
@@ -121,18 +108,69 @@ static void continuity_spread(struct bcifs_analysis *analysis)
     }
 }
 
+/* ---- Joints -------------------------------------------------------------------------------------------- */
+
+static const char *name_copy(struct bcifs_analysis *analysis, const struct state_key *key)
+{
+    struct text name = {0};
+    state_name(key, &name);
+    const char *copy = name.failed ? NULL : arena_text(&analysis->arena, name.data, name.length);
+    text_free(&name);
+    return copy;
+}
+
+static bcifs_status joint_analyze(struct bcifs_analysis *analysis, size_t index, struct joint_analysis *joint)
+{
+    bcifs_status status = states_expand(&analysis->states, index);
+    if (status)
+        return status;
+    const struct state *state = &analysis->states.states[index];
+    double *limit = arena_new(&analysis->arena, state->points, sizeof *limit);
+    *joint = (struct joint_analysis){
+        .name = name_copy(analysis, &state->key), .points = state->points, .limit = limit};
+    if (!joint->name || !limit)
+        return BCIFS_MEMORY;
+    if (analysis->states.states[state->children[0]].points == state->points)
+        status = spectrum_find(state->maps[0], state->points, &analysis->arena, &joint->map);
+    return status ? status : states_limit(&analysis->states, index, limit);
+}
+
+/* Every vertex state that bounds an edge state of the analysis. */
+static bcifs_status joints_analyze(struct bcifs_analysis *analysis)
+{
+    size_t capacity = 0;
+    for (size_t e = 0; e < analysis->edge_count; e++)
+        for (int side = 0; side < 2; side++) {
+            size_t index = analysis->states.states[analysis->edges[e].state].boundaries[side];
+            bool known = false;
+            for (size_t f = 0; f <= e && !known; f++)
+                for (int other = 0; other < (f == e ? side : 2) && !known; other++)
+                    known = analysis->states.states[analysis->edges[f].state].boundaries[other] == index;
+            if (known)
+                continue;
+            if (!ARENA_RESERVE(&analysis->arena, analysis->joints, analysis->joint_count, capacity))
+                return BCIFS_MEMORY;
+            bcifs_status status = joint_analyze(analysis, index, &analysis->joints[analysis->joint_count++]);
+            if (status)
+                return status;
+        }
+    return BCIFS_OK;
+}
+
 /* ---- Figures ------------------------------------------------------------------------------------------- */
 
 /* Adds a piece's direction, in the figure's control points. */
-static void direction_scatter(const struct piece *piece, const double *direction, size_t points, double *figure)
+static void direction_scatter(const struct piece *piece, const double *direction, size_t points,
+                              double *figure)
 {
     for (size_t j = 0; j < points; j++)
         figure[piece->indices[j]] += direction[j];
 }
 
-/* Whether two directions, spread over the figure's points, agree; clears them again. Closed figures of few points
- * may use one twice, so lengths are measured anew. */
-static bool scattered_equal(const struct piece *const pieces[2], const size_t points[2], double *const sides[2])
+/* Whether two directions, spread over the figure's points, agree; clears them again. Closed figures of few
+ * points may use one twice, so lengths are measured anew. */
+static bool scattered_equal(const struct piece *const pieces[2], const size_t points[2],
+                            double *const sides[2])
 {
     double square[2] = {0, 0}, product = 0;
     for (int p = 0; p < 2; p++)
@@ -148,8 +186,8 @@ static bool scattered_equal(const struct piece *const pieces[2], const size_t po
     return both > 0 && 1 - product / both <= TOLERANCE_DIRECTION * TOLERANCE_DIRECTION / 2 + 4e-16;
 }
 
-static bcifs_status pieces_compare(struct bcifs_analysis *analysis, const bcifs_figure *figure, size_t a, size_t b,
-                                   double *const sides[2], bool *continuous)
+static bcifs_status pieces_compare(struct bcifs_analysis *analysis, const bcifs_figure *figure, size_t a,
+                                   size_t b, double *const sides[2], bool *continuous)
 {
     const struct piece *pieces[2] = {&figure->pieces[a], &figure->pieces[b]};
     const struct half_tangent *halves[2];
@@ -187,7 +225,8 @@ static bcifs_status figure_junctions(struct bcifs_analysis *analysis, const bcif
     for (size_t c = 0; c < figure->chain_count; c++) {
         const struct chain *chain = &figure->chains[c];
         for (size_t i = 0; i + !chain->closed < chain->count; i++) {
-            size_t a = chain->first + i, b = chain->first + (i + 1) % chain->count, k = result->junction_count++;
+            size_t a = chain->first + i, b = chain->first + (i + 1) % chain->count,
+                   k = result->junction_count++;
             between[k][0] = a;
             between[k][1] = b;
             bcifs_status status = pieces_compare(analysis, figure, a, b, sides, &continuous[k]);
@@ -254,11 +293,13 @@ static bcifs_status analyze(struct bcifs_analysis *analysis, double effort, stru
     if (status)
         return status;
     continuity_spread(analysis);
-    return figures_analyze(analysis);
+    status = joints_analyze(analysis);
+    return status ? status : figures_analyze(analysis);
 }
 
 bcifs_status bcifs_analysis_create(const bcifs_automaton *automaton, double effort,
-                                   const bcifs_load_options *options, bcifs_analysis **analysis, bcifs_error *error)
+                                   const bcifs_load_options *options, bcifs_analysis **analysis,
+                                   bcifs_error *error)
 {
     bcifs_status status = equations_require(automaton, options, error);
     if (status)

@@ -3,14 +3,9 @@
 #define ANALYSIS_ANALYSIS_H
 
 #include "analysis/smoothness.h"
+#include "analysis/spectrum.h"
 #include "analysis/tangent.h"
 #include "automaton/figure.h"
-
-/* The eigenvalues of one map, by falling modulus; `count` 0 when it leads to a state of another size. */
-struct spectrum {
-    const double *re, *im;
-    size_t count;
-};
 
 /* Where child i ends and child i + 1 begins; directions in the parent's coordinates, NULL when there is none. */
 struct junction {
@@ -37,6 +32,14 @@ struct figure_analysis {
     const bool *tangent_continuous;
 };
 
+/* A vertex state: the behavior common to the arcs that meet there, [IM] (3). */
+struct joint_analysis {
+    const char *name;
+    size_t points;
+    const double *limit; /* c^s */
+    struct spectrum map;
+};
+
 struct bcifs_analysis {
     struct arena arena;
     const bcifs_automaton *automaton;
@@ -44,6 +47,8 @@ struct bcifs_analysis {
     struct tangents tangents;
     struct edge_analysis *edges;
     size_t edge_count;
+    struct joint_analysis *joints;
+    size_t joint_count;
     struct figure_analysis *figures;
     size_t figure_count;
 };

@@ -106,8 +106,8 @@ static double largest_entry(const double *m, size_t count)
 }
 
 /* An orthonormal basis of the null space of (M - λ)^power, or of its transpose; its dimension in `count`. */
-static double *power_null(const struct work *work, const struct cluster *cluster, size_t power, bool transposed,
-                          size_t *count)
+static double *power_null(const struct work *work, const struct cluster *cluster, size_t power,
+                          bool transposed, size_t *count)
 {
     size_t size = work->size;
     double *a = shifted_power(work, cluster, power);
@@ -141,7 +141,8 @@ static bcifs_status largest_block(const struct work *work, const struct cluster 
     return BCIFS_OK;
 }
 
-/* P = R (SᵀR)⁻¹ Sᵀ with R, S bases of the right and left generalized eigenspaces (rows of `right`, `left`). */
+/* P = R (SᵀR)⁻¹ Sᵀ with R, S bases of the right and left generalized eigenspaces (rows of `right`, `left`).
+ */
 static bcifs_status projector(const struct work *work, const double *right, const double *left, size_t count,
                               double *p)
 {
@@ -172,7 +173,8 @@ static bcifs_status projector(const struct work *work, const double *right, cons
 }
 
 /* K = (M - λ)^(q-1) P. */
-static bcifs_status leading_matrix(const struct work *work, const struct cluster *cluster, size_t block, double **k)
+static bcifs_status leading_matrix(const struct work *work, const struct cluster *cluster, size_t block,
+                                   double **k)
 {
     size_t size = work->size, right_count, left_count;
     double *right = power_null(work, cluster, block, false, &right_count);
@@ -215,7 +217,8 @@ static bcifs_status split_rank_one(const struct work *work, const double *k, str
         for (size_t i = 0; i < size; i++)
             leading->functional[j] += leading->direction[i] * k[i * size + j];
         for (size_t i = 0; i < size; i++)
-            remainder = fmax(remainder, fabs(k[i * size + j] - leading->direction[i] * leading->functional[j]));
+            remainder =
+                fmax(remainder, fabs(k[i * size + j] - leading->direction[i] * leading->functional[j]));
     }
     leading->kind = remainder <= TOLERANCE_DIRECTION * sqrt(longest) ? LEADING_SETTLES : LEADING_FANS;
     return BCIFS_OK;
@@ -280,11 +283,11 @@ bcifs_status leading_find(const double *m, size_t size, struct arena *arena, str
         return BCIFS_OK;
     work.scale = hypot(work.re[0], work.im[0]);
     /* A nilpotent matrix has eigenvalues that are rounding only, spread by its block size. */
-    if (work.scale <= pow(1e-14, 1 / (double)size) * entries) {
+    if (work.scale <= pow(TOLERANCE_NILPOTENT, 1 / (double)size) * entries) {
         double *power = shifted_power(&work, &(struct cluster){0, 0, 0}, size);
         if (!power)
             return BCIFS_MEMORY;
-        if (largest_entry(power, size * size) <= 1e-12 * pow(entries, (double)size)) {
+        if (largest_entry(power, size * size) <= TOLERANCE_NILPOTENT * pow(entries, (double)size)) {
             leading->kind = LEADING_VANISHES;
             return BCIFS_OK;
         }

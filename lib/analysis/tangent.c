@@ -29,7 +29,8 @@ struct finder {
     size_t *arc_of; /* per state: its arc, SIZE_MAX for other states */
 };
 
-static bcifs_status refuse(const struct finder *finder, const struct state_key *key, const char *what, int limit)
+static bcifs_status refuse(const struct finder *finder, const struct state_key *key, const char *what,
+                           int limit)
 {
     struct report *report = finder->states->setting.report;
     if (!report)
@@ -94,7 +95,8 @@ static struct arc *child_arc(const struct finder *finder, const struct arc *arc,
     return &finder->arcs[finder->arc_of[finder->states->states[arc->state].children[child]]];
 }
 
-/* Adds a difference of points of the arc (destroyed), unless it is rounding only: coordinates are of order 1. */
+/* Adds a difference of points of the arc (destroyed), unless it is rounding only: coordinates are of order 1.
+ */
 static void space_add(struct arc *arc, double *difference)
 {
     double largest = 0, mean = 0;
@@ -121,7 +123,8 @@ static bool space_grow(const struct finder *finder, struct arc *arc)
             vector[j] -= arc->ends[0][j];
         space_add(arc, vector);
         for (size_t k = 0; k < child->dimension; k++) {
-            matrix_multiply(state->maps[i], child->space + k * child->points, arc->points, child->points, 1, vector);
+            matrix_multiply(state->maps[i], child->space + k * child->points, arc->points, child->points, 1,
+                            vector);
             space_add(arc, vector);
         }
     }
@@ -161,8 +164,8 @@ static bcifs_status samples_refine(struct finder *finder, const struct arc *belo
         for (size_t r = 0; r < arc->points; r++)
             for (size_t k = 0; k < child->points; k++)
                 for (size_t c = 0; c < child->sample_count; c++)
-                    samples[r * count + column + c] += state->maps[i][r * child->points + k] *
-                                                       child->samples[k * child->sample_count + c];
+                    samples[r * count + column + c] +=
+                        state->maps[i][r * child->points + k] * child->samples[k * child->sample_count + c];
         column += child->sample_count;
     }
     arc->samples = samples;
@@ -234,7 +237,8 @@ static const double *end_map(const struct finder *finder, const struct end_walk 
     return finder->states->states[arc->state].maps[end_child(finder, arc, walk->side)];
 }
 
-/* L = T … T around the cycle (points × points), and M = WᵀLW, its action on the differences of the arc's points. */
+/* L = T … T around the cycle (points × points), and M = WᵀLW, its action on the differences of the arc's
+ * points. */
 static bcifs_status cycle_matrix(struct finder *finder, const struct end_walk *walk, double **matrix)
 {
     const struct arc *arc = walk->walk[walk->first];
@@ -246,8 +250,8 @@ static bcifs_status cycle_matrix(struct finder *finder, const struct end_walk *w
         double vector[TANGENT_MOST_POINTS], image[TANGENT_MOST_POINTS];
         memcpy(vector, arc->space + j * m, m * sizeof *vector);
         for (size_t k = walk->length; k-- > walk->first;) {
-            matrix_multiply(end_map(finder, walk, k), vector, walk->walk[k]->points, walk->walk[k + 1]->points, 1,
-                            image);
+            matrix_multiply(end_map(finder, walk, k), vector, walk->walk[k]->points,
+                            walk->walk[k + 1]->points, 1, image);
             memcpy(vector, image, walk->walk[k]->points * sizeof *vector);
         }
         for (size_t i = 0; i < d; i++)
@@ -257,14 +261,16 @@ static bcifs_status cycle_matrix(struct finder *finder, const struct end_walk *w
     return BCIFS_OK;
 }
 
-/* Smallest and largest of ℓ·(difference to the end) along the travel, over the arc without its own end cells. */
+/* Smallest and largest of ℓ·(difference to the end) along the travel, over the arc without its own end cells.
+ */
 struct swing {
     double low, high;
 };
 
-/* row: the functional on the cycle's first arc, carried to walk[k]; samples of all children but the end one. */
-static void swing_children(const struct finder *finder, const struct end_walk *walk, size_t k, const double *row,
-                           double base, struct swing *swing)
+/* row: the functional on the cycle's first arc, carried to walk[k]; samples of all children but the end one.
+ */
+static void swing_children(const struct finder *finder, const struct end_walk *walk, size_t k,
+                           const double *row, double base, struct swing *swing)
 {
     const struct arc *arc = walk->walk[k];
     const struct state *state = &finder->states->states[arc->state];
@@ -287,7 +293,8 @@ static void swing_children(const struct finder *finder, const struct end_walk *w
     }
 }
 
-static struct swing swing_find(const struct finder *finder, const struct end_walk *walk, const double *functional)
+static struct swing swing_find(const struct finder *finder, const struct end_walk *walk,
+                               const double *functional)
 {
     const struct arc *arc = walk->walk[walk->first];
     double row[TANGENT_MOST_POINTS] = {0}, next[TANGENT_MOST_POINTS], base = 0;
@@ -299,7 +306,8 @@ static struct swing swing_find(const struct finder *finder, const struct end_wal
         base += row[r] * arc->ends[walk->side][r];
     for (size_t k = walk->first; k < walk->length; k++) {
         swing_children(finder, walk, k, row, base, &swing);
-        matrix_multiply(row, end_map(finder, walk, k), 1, walk->walk[k]->points, walk->walk[k + 1]->points, next);
+        matrix_multiply(row, end_map(finder, walk, k), 1, walk->walk[k]->points, walk->walk[k + 1]->points,
+                        next);
         memcpy(row, next, walk->walk[k + 1]->points * sizeof *row);
     }
     return swing;
@@ -346,7 +354,8 @@ static void append_kind(struct text *text, const struct leading *leading)
         break;
     case LEADING_FANS:
         append_decision(text, leading);
-        text_append(text, " with several eigenvectors: the arc looks alike at every scale and has no one direction");
+        text_append(
+            text, " with several eigenvectors: the arc looks alike at every scale and has no one direction");
         break;
     case LEADING_NEGATIVE:
         text_append(text, "the subdominant eigenvalue ");
@@ -357,7 +366,8 @@ static void append_kind(struct text *text, const struct leading *leading)
         append_spiral(text, leading);
         break;
     case LEADING_TIED:
-        text_append(text, "several subdominant eigenvalues have the same modulus: the direction never settles");
+        text_append(text,
+                    "several subdominant eigenvalues have the same modulus: the direction never settles");
         break;
     case LEADING_VANISHES:
         text_append(text, "the arc stands still at this end");
@@ -395,8 +405,8 @@ bool direction_equal(const double *a, const double *b, size_t size)
 }
 
 /* From the cycle back to the arc itself: T … T v. */
-static bcifs_status direction_carry(struct finder *finder, const struct end_walk *walk, const double *direction,
-                                    struct half_tangent *half, struct text *reason)
+static bcifs_status direction_carry(struct finder *finder, const struct end_walk *walk,
+                                    const double *direction, struct half_tangent *half, struct text *reason)
 {
     double vector[TANGENT_MOST_POINTS], image[TANGENT_MOST_POINTS];
     memcpy(vector, direction, walk->walk[walk->first]->points * sizeof *vector);
@@ -408,14 +418,16 @@ static bcifs_status direction_carry(struct finder *finder, const struct end_walk
         }
         memcpy(vector, image, walk->walk[k]->points * sizeof *vector);
     }
-    double *copy = arena_grow(finder->arena, vector, walk->walk[0]->points, walk->walk[0]->points, sizeof *copy);
+    double *copy =
+        arena_grow(finder->arena, vector, walk->walk[0]->points, walk->walk[0]->points, sizeof *copy);
     half->direction = copy;
     return copy ? BCIFS_OK : BCIFS_MEMORY;
 }
 
 /* The direction settles; whether to one side only depends on where the arc lies. */
 static bcifs_status direction_decide(struct finder *finder, const struct end_walk *walk,
-                                     const struct leading *leading, struct half_tangent *half, struct text *reason)
+                                     const struct leading *leading, struct half_tangent *half,
+                                     struct text *reason)
 {
     const struct arc *arc = walk->walk[walk->first];
     struct swing swing = swing_find(finder, walk, leading->functional);

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "numeric/tolerance.h"
+
 enum { MOST_POINTS = 1 << 24, MOST_DIMENSION = 16, MOST_REACHED = 1 << 12 /* states expanded */ };
 
 /* A figure being bound. */
@@ -497,7 +499,7 @@ static bool boundary_is_zero(const struct piece *piece, const struct cell *cell,
     bool zero = true;
     for (size_t i = 0; i < cell->points; i++) {
         struct value *sum = &sums[piece->indices[i]];
-        zero = zero && (sum->exact ? sum->residue == 0 : fabs(sum->real) <= 1e-12);
+        zero = zero && (sum->exact ? sum->residue == 0 : fabs(sum->real) <= TOLERANCE_EQUATION);
         *sum = value_from_integer(0);
     }
     return zero;

@@ -23,6 +23,12 @@
  * eigenvectors: q eigenvalues within this factor of that (relative to the largest) count as one. */
 #define TOLERANCE_CLUSTER 20
 
+/* The same for a double eigenvalue: both lie within this of their mean. */
+#define TOLERANCE_DOUBLE (1e-8 * TOLERANCE_CLUSTER)
+
+/* A power of a matrix that has shrunk this much against its entries is 0: the matrix is nilpotent. */
+#define TOLERANCE_NILPOTENT 1e-12
+
 /* Moduli of different clusters closer than this are tied. Means of clusters are good to about 1e-12. */
 #define TOLERANCE_TIED 1e-9
 

@@ -1,5 +1,6 @@
 /* The report of bcifs_analysis, as JSON (design, section 5) and as text for a person. */
 #include <math.h>
+#include <stdio.h>
 
 #include "analysis/analysis.h"
 #include "base/decimal.h"
@@ -58,17 +59,41 @@ static void json_half(struct text *text, const char *key, const struct half_tang
     text_append(text, "}");
 }
 
+/* An eigenvector: coordinates, complex ones as objects; null where there is none. */
+static void json_eigenvector(struct text *text, const struct spectrum *spectrum, size_t k)
+{
+    const double *vector = spectrum->vectors[k];
+    text_append(text, vector ? "[" : "null");
+    for (size_t i = 0; vector && i < spectrum->count; i++) {
+        text_append(text, i ? ", " : "");
+        json_complex(text, vector[i], spectrum->im[k] == 0 ? 0 : vector[spectrum->count + i]);
+    }
+    text_append(text, vector ? "]" : "");
+}
+
+/* "eigenvalues" and "eigenvectors", null for a map to a state of another size. */
+static void json_spectrum(struct text *text, const struct spectrum *spectrum)
+{
+    text_append(text,
+                spectrum->count ? "\"eigenvalues\": [" : "\"eigenvalues\": null, \"eigenvectors\": null");
+    for (size_t k = 0; k < spectrum->count; k++) {
+        text_append(text, k ? ", " : "");
+        json_complex(text, spectrum->re[k], spectrum->im[k]);
+    }
+    for (size_t k = 0; k < spectrum->count; k++) {
+        text_append(text, k ? ", " : "], \"eigenvectors\": [");
+        json_eigenvector(text, spectrum, k);
+    }
+    text_append(text, spectrum->count ? "]" : "");
+}
+
 static void json_maps(struct text *text, const struct edge_analysis *edge)
 {
     text_append(text, "\"maps\": [");
     for (size_t i = 0; i < edge->child_count; i++) {
-        text_append(text, i ? ", {\"eigenvalues\": " : "{\"eigenvalues\": ");
-        text_append(text, edge->maps[i].count ? "[" : "null");
-        for (size_t k = 0; k < edge->maps[i].count; k++) {
-            text_append(text, k ? ", " : "");
-            json_complex(text, edge->maps[i].re[k], edge->maps[i].im[k]);
-        }
-        text_append(text, edge->maps[i].count ? "]}" : "}");
+        text_append(text, i ? ", {" : "{");
+        json_spectrum(text, &edge->maps[i]);
+        text_append(text, "}");
     }
     text_append(text, "]");
 }
@@ -125,6 +150,18 @@ static void json_edge(struct text *text, const struct edge_analysis *edge)
     text_append(text, "}");
 }
 
+static void json_joint(struct text *text, const struct joint_analysis *joint)
+{
+    text_append(text, "{");
+    json_key(text, "state");
+    json_string(text, joint->name);
+    text_append(text, ", \"point\": ");
+    json_vector(text, joint->limit, joint->points);
+    text_append(text, ", ");
+    json_spectrum(text, &joint->map);
+    text_append(text, "}");
+}
+
 static void json_figure(struct text *text, const struct figure_analysis *figure)
 {
     text_append(text, "{");
@@ -150,6 +187,11 @@ char *bcifs_analysis_json(const bcifs_analysis *analysis)
     for (size_t i = 0; i < analysis->edge_count; i++) {
         text_append(&text, i ? ",\n  " : "\n  ");
         json_edge(&text, &analysis->edges[i]);
+    }
+    text_append(&text, "],\n \"joints\": [");
+    for (size_t i = 0; i < analysis->joint_count; i++) {
+        text_append(&text, i ? ",\n  " : "\n  ");
+        json_joint(&text, &analysis->joints[i]);
     }
     text_append(&text, "],\n \"figures\": [");
     for (size_t i = 0; i < analysis->figure_count; i++) {
@@ -184,19 +226,37 @@ static void append_vector(struct text *text, const double *vector, size_t count)
     text_append(text, ")");
 }
 
-static void append_spectrum(struct text *text, size_t map, const struct spectrum *spectrum)
+static void append_complex(struct text *text, double re, double im)
 {
-    text_format(text, "  eigenvalues of T%zu: ", map);
+    append_digits(text, re);
+    if (im != 0) {
+        text_append(text, im > 0 ? "+" : "-");
+        append_digits(text, fabs(im));
+        text_append(text, "i");
+    }
+}
+
+/* Real eigenvectors are shown beside their eigenvalues. */
+static void append_spectrum(struct text *text, const char *name, const struct spectrum *spectrum)
+{
+    text_format(text, "  eigenvalues of %s: ", name);
     for (size_t i = 0; i < spectrum->count; i++) {
         text_append(text, i ? ", " : "");
-        append_digits(text, spectrum->re[i]);
-        if (spectrum->im[i] != 0) {
-            text_append(text, spectrum->im[i] > 0 ? "+" : "-");
-            append_digits(text, fabs(spectrum->im[i]));
-            text_append(text, "i");
+        append_complex(text, spectrum->re[i], spectrum->im[i]);
+        if (spectrum->im[i] == 0 && spectrum->vectors[i]) {
+            text_append(text, " ");
+            append_vector(text, spectrum->vectors[i], spectrum->count);
         }
     }
     text_append(text, spectrum->count ? "\n" : "none, the child is in a state of another size\n");
+}
+
+static void append_joint(struct text *text, const struct joint_analysis *joint)
+{
+    text_format(text, "vertex %s: limit point ", joint->name);
+    append_vector(text, joint->limit, joint->points);
+    text_append(text, "\n");
+    append_spectrum(text, "T", &joint->map);
 }
 
 static void append_half(struct text *text, const char *name, const struct half_tangent *half, size_t points)
@@ -264,13 +324,18 @@ char *bcifs_analysis_text(const bcifs_analysis *analysis)
     for (size_t i = 0; i < analysis->edge_count; i++) {
         const struct edge_analysis *edge = &analysis->edges[i];
         text_format(&text, "edge %s\n", edge->name);
-        for (size_t k = 0; k < edge->child_count; k++)
-            append_spectrum(&text, k, &edge->maps[k]);
+        for (size_t k = 0; k < edge->child_count; k++) {
+            char name[24];
+            snprintf(name, sizeof name, "T%zu", k);
+            append_spectrum(&text, name, &edge->maps[k]);
+        }
         append_half(&text, "start", &edge->ends[0], edge->points);
         append_half(&text, "end", &edge->ends[1], edge->points);
         append_junctions(&text, edge);
         append_smoothness(&text, &edge->smoothness);
     }
+    for (size_t i = 0; i < analysis->joint_count; i++)
+        append_joint(&text, &analysis->joints[i]);
     for (size_t i = 0; i < analysis->figure_count; i++)
         append_figure(&text, &analysis->figures[i]);
     if (analysis->edge_count == 0)

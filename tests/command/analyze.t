@@ -67,6 +67,37 @@ my $half = sqrt(1 / 2);
     ok(vector_near($tangent, [map { $sign * $_ / $length } @v]), 'a = 0.4, b = 0.3: the slides\' eigenvector');
 }
 
+# ---- Eigenvectors: those the slides print ([SI], "Etude des valeurs et vecteurs propres"; T1's come first there) -----
+{
+    my ($p, $q) = (1 / 3, 1 / 4);
+    my $json = analyze("$ROOT/automata/corner-cutting.bcifs", '--set', 'a=1/3', '--set', 'b=1/4');
+    my @printed = (
+        { 1 => [$q / ($p + $q), $p / ($p + $q), 0], joint => [1, -1, 0], own => [-$q, 1 - 2 * $p, 2 * $p + $q - 1] },
+        { 1 => [0, $q / ($p + $q), $p / ($p + $q)], joint => [0, 1, -1], own => [$p + 2 * $q - 1, 1 - 2 * $q, -$p] },
+    );
+    my @wrong;
+    for my $map (0, 1) {
+        my $found = $json->{edges}[0]{maps}[$map];
+        my %value = (1 => 1, joint => 1 - $p - $q, own => $map ? $q : $p);
+        for my $name (sort keys %value) {
+            my ($k) = grep { near($found->{eigenvalues}[$_], $value{$name}) } 0 .. 2;
+            my $vector = defined $k ? $found->{eigenvectors}[$k] : undef;
+            my $wanted = $printed[$map]{$name};
+            # The fixed point sums to 1; directions are compared up to their length and sign.
+            my ($pivot) = sort { abs($wanted->[$b]) <=> abs($wanted->[$a]) } 0 .. 2;
+            my $scale = $vector ? $vector->[$pivot] / $wanted->[$pivot] : 0;
+            push @wrong, "T$map $name" if !vector_near($vector, [map { $scale * $_ } @$wanted])
+                || ($name eq '1' && !near($scale, 1));
+        }
+    }
+    is("@wrong", '', 'the eigenvectors of corner cutting are those of the slides');
+    my $joint = $json->{joints}[0];
+    is($joint->{state}, 'joint', 'its joint is analyzed, too');
+    ok(vector_near($joint->{point}, [$q / ($p + $q), $p / ($p + $q)]), 'with its limit point');
+    ok(vector_near($joint->{eigenvalues}, [1, 1 - $p - $q]), 'its eigenvalues');
+    ok(vector_near($joint->{eigenvectors}[1], [$half, -$half]), 'and eigenvectors');
+}
+
 # ---- Takagi: the curve is the graph of F(t) = Σ w^n s(2^n t) over the chord; F' jumps unless Σ (2w)^n = 1, n >= 1 ----
 {
     my @wrong;
@@ -149,6 +180,22 @@ FILE
     my ($p) = grep { $_->{state} eq 'p(1,2,1)' } @edges;
     # The point between knot intervals u, v divides the leg as v : u.
     ok(vector_near($p->{start}{point}, [2 / 3, 1 / 3, 0]), 'and start where the intervals divide the leg');
+}
+
+# ---- Degenerate and non-contractive automata get an answer in words --------------------------------------------------
+{
+    my %degenerate = (
+        'a map that does not contract' => 'sub arc [ 1 0; 0 1 ]  sub arc [ 0 0; 1 1 ]',
+        'an arc that stands still at its start' => 'sub arc [ 1 1; 0 0 ]  sub arc [ 1 0; 0 1 ]',
+        'a single map' => 'sub arc [ 1 0; 0 1 ]',
+        'maps that expand' => 'sub arc [ 1 -2; 0 3 ]  sub arc [ -2 0; 3 1 ]',
+    );
+    for my $name (sort keys %degenerate) {
+        my $file = scratch(undef, "automaton d\nvertex end 1 { }\nedge arc 2 {\n  start end at 0\n  end end at 1\n"
+                . "  $degenerate{$name}\n}\n");
+        my ($status, $out, $err) = bcifs(['analyze', $file, '--quiet']);
+        ok($status == 0 && $out =~ /no continuity certified/, "$name: an answer") or diag("$status $out $err");
+    }
 }
 
 # ---- Refusals, text, pictures -----------------------------------------------------------------------------------
