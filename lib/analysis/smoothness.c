@@ -6,6 +6,7 @@
 #include "automaton/restriction.h"
 #include "base/decimal.h"
 #include "numeric/tolerance.h"
+#include "numeric/value_equations.h"
 
 enum {
     MOST_STATES = 256,   /* that an arc's descendants may be in */

@@ -52,16 +52,5 @@ bcifs_status restriction_reduce(struct restriction *restriction, const struct va
 bcifs_status restriction_family(const struct restriction *restriction, struct arena *arena,
                                 struct joint_family *family);
 
-/* Homogeneous linear equations in values, rows × unknowns (destroyed): exact when all entries are, otherwise
- * decided with TOLERANCE_REPRODUCTION. `free` receives how many unknowns are free, `solution` the solution
- * for which the first of these is 1, the second 2, and so on; with `inhomogeneous` set, the one for which the
- * last unknown is 1 and other free ones are 0, and `free` is 0 when there is none. */
-bcifs_status equations_solve(struct value *equations, size_t rows, size_t unknowns, bool inhomogeneous,
-                             struct arena *arena, struct value *solution, size_t *free);
-/* The double nearest to an exact value, as far as the field tells; sets value->real. Returns a bound of its
- * error. */
-double value_pin(struct value *value, double error);
-/* base^exponent. */
-struct value value_power(int64_t base, int exponent);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "language/report.h"
 #include "language/syntax.h"
-#include "language/value.h"
+#include "numeric/value.h"
 
 /* ---- Names --------------------------------------------------------------------------------------------- */
 

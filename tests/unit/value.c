@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "language/value.h"
+#include "numeric/value.h"
 #include "numeric/field.h"
 #include "tap.h"
 

@@ -6,8 +6,8 @@
  * of 15 or more digits, has no image: `exact` is false and only `real` counts. `fixed` says that the residue is
  * the image of this very number, not of a random stand-in; functions that are not field operations (min, %, …)
  * keep exactness only then. */
-#ifndef LANGUAGE_VALUE_H
-#define LANGUAGE_VALUE_H
+#ifndef NUMERIC_VALUE_H
+#define NUMERIC_VALUE_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -36,5 +36,10 @@ bool value_is_zero(struct value a);
 /* Appends a value as the language reads it: "3/4" where it is a number known exactly, otherwise the shortest decimal
  * that reads back as its real part. */
 void value_write(struct text *text, struct value value);
+/* The double nearest to an exact value, as far as the field tells; sets value->real. Returns a bound of its
+ * error. */
+double value_pin(struct value *value, double error);
+/* base^exponent. */
+struct value value_power(int64_t base, int exponent);
 
 #endif

@@ -1,5 +1,6 @@
 #include "value.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "numeric/field.h"
@@ -70,4 +71,42 @@ void value_write(struct text *text, struct value value)
         text_append_bytes(text, digits, rational_print(digits, fraction));
     else
         text_append_number(text, value.real);
+}
+
+/* The image of a double, m·2^e; 2 has order 61. */
+static uint64_t double_residue(double x)
+{
+    int exponent;
+    double mantissa = frexp(x, &exponent);
+    int shift = ((exponent - 53) % 61 + 61) % 61;
+    return field_multiply(field_from_integer((int64_t)ldexp(mantissa, 53)), UINT64_C(1) << shift);
+}
+
+double value_pin(struct value *value, double error)
+{
+    struct rational rational;
+    if (!value->exact || !value->fixed)
+        return error;
+    if (value->residue == 0) {
+        value->real = 0;
+        return 0;
+    }
+    if (double_residue(value->real) == value->residue)
+        return 0;
+    if (!rational_reconstruct(value->residue, value->real, &rational))
+        return error;
+    value->real = rational_real(rational);
+    double n = (double)rational.numerator, d = (double)rational.denominator;
+    bool small = fabs(n) < 0x1p53 && d < 0x1p53; /* n, d and their quotient are then rounded once at most */
+    if (small && fma(value->real, d, -n) == 0)
+        return 0;
+    return 2 * DBL_EPSILON * fabs(value->real);
+}
+
+struct value value_power(int64_t base, int exponent)
+{
+    struct value result = value_from_integer(1);
+    for (int k = 0; k < exponent; k++)
+        result = value_multiply(result, value_from_integer(base));
+    return result;
 }
