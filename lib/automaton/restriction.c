@@ -60,11 +60,11 @@ static bcifs_status kernel_make(const struct value *q, size_t size, struct arena
     for (size_t i = 0; i < size; i++)
         scale = fmax(scale, fabs(q[i].real));
     for (size_t i = 0; i < size; i++)
-        if (!is_negligible(q[i], scale))
+        if (!value_is_negligible(q[i], scale))
             places[count++] = i;
     *kernel = (struct kernel){size, places, count, ratios};
     for (size_t i = 0; i < size; i++)
-        if (is_negligible(q[i], scale))
+        if (value_is_negligible(q[i], scale))
             places[count++] = i;
     for (size_t a = 0; a + 1 < kernel->support; a++)
         ratios[a] = ratio_make(q[places[a]], q[places[a + 1]]);
@@ -352,7 +352,7 @@ bcifs_status restriction_functional(const struct restriction *restriction, int k
         bool is_zero = true;
         q[x] = restriction->dimensions[x] > 0 ? solution + base[x] : NULL;
         for (size_t i = base[x]; i < base[x + 1] && free > 0; i++)
-            is_zero = is_zero && is_negligible(solution[i], 1);
+            is_zero = is_zero && value_is_negligible(solution[i], 1);
         *found += !is_zero;
     }
     return status;

@@ -4,7 +4,7 @@
 
 #include "numeric/tolerance.h"
 
-static bool is_negligible(struct value value, double scale)
+bool value_is_negligible(struct value value, double scale)
 {
     return value.exact ? value.residue == 0 : fabs(value.real) <= TOLERANCE_REPRODUCTION * scale;
 }
@@ -29,11 +29,11 @@ static bool pivot_find(struct value *equations, size_t rows, size_t unknowns, si
     size_t best = rank;
     for (size_t i = rank; i < rows; i++) {
         struct value candidate = equations[i * unknowns + j], leader = equations[best * unknowns + j];
-        if (is_negligible(leader, scale) ||
-            (!is_negligible(candidate, scale) && fabs(candidate.real) > fabs(leader.real)))
+        if (value_is_negligible(leader, scale) ||
+            (!value_is_negligible(candidate, scale) && fabs(candidate.real) > fabs(leader.real)))
             best = i;
     }
-    if (rank >= rows || is_negligible(equations[best * unknowns + j], scale))
+    if (rank >= rows || value_is_negligible(equations[best * unknowns + j], scale))
         return false;
     for (size_t k = 0; k < unknowns && best != rank; k++) {
         struct value keep = equations[best * unknowns + k];

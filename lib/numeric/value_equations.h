@@ -10,6 +10,8 @@
 #include "bcifs.h"
 #include "numeric/value.h"
 
+/* Whether a coefficient counts as zero: exactly, or below TOLERANCE_REPRODUCTION times `scale`. */
+bool value_is_negligible(struct value value, double scale);
 /* Homogeneous linear equations in values, rows × unknowns (destroyed): exact when all entries are, otherwise
  * decided with TOLERANCE_REPRODUCTION. `free` receives how many unknowns are free, `solution` the solution
  * for which the first of these is 1, the second 2, and so on; with `inhomogeneous` set, the one for which the
