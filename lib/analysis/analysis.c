@@ -58,20 +58,25 @@ static bcifs_status junction_find(struct bcifs_analysis *analysis, struct edge_a
     return BCIFS_OK;
 }
 
+static const char *name_copy(struct bcifs_analysis *analysis, const struct state_key *key)
+{
+    struct text name = {0};
+    state_name(key, &name);
+    const char *copy = name.failed ? NULL : arena_text(&analysis->arena, name.data, name.length);
+    text_free(&name);
+    return copy;
+}
+
 static bcifs_status edge_analyze(struct bcifs_analysis *analysis, const struct arc_tangents *arc,
                                  struct edge_analysis *edge)
 {
     const struct state *state = &analysis->states.states[arc->state];
-    struct text name = {0};
-    state_name(&state->key, &name);
-    *edge = (struct edge_analysis){.name = name.failed ? NULL
-                                                       : arena_text(&analysis->arena, name.data, name.length),
+    *edge = (struct edge_analysis){.name = name_copy(analysis, &state->key),
                                    .state = arc->state,
                                    .points = state->points,
                                    .child_count = state->cell->child_count,
                                    .ends = arc->ends,
                                    .tangent_continuous = true};
-    text_free(&name);
     edge->junctions = arena_new(&analysis->arena, edge->child_count, sizeof *edge->junctions);
     if (!edge->name || !edge->junctions)
         return BCIFS_MEMORY;
@@ -109,15 +114,6 @@ static void continuity_spread(struct bcifs_analysis *analysis)
 }
 
 /* ---- Joints -------------------------------------------------------------------------------------------- */
-
-static const char *name_copy(struct bcifs_analysis *analysis, const struct state_key *key)
-{
-    struct text name = {0};
-    state_name(key, &name);
-    const char *copy = name.failed ? NULL : arena_text(&analysis->arena, name.data, name.length);
-    text_free(&name);
-    return copy;
-}
 
 static bcifs_status joint_analyze(struct bcifs_analysis *analysis, size_t index, struct joint_analysis *joint)
 {

@@ -19,7 +19,7 @@ static struct definition *definition_add(bcifs_automaton *automaton, struct defi
     if (automaton->definition_count >= AUTOMATON_MOST_DEFINITIONS) {
         if (!automaton->is_full) /* once is enough */
             report_failure(report, BCIFS_INPUT, automaton->modules[0]->source->name,
-                       "more than %d states, counting products", AUTOMATON_MOST_DEFINITIONS);
+                           "more than %d states, counting products", AUTOMATON_MOST_DEFINITIONS);
         automaton->is_full = true;
         return NULL;
     }
@@ -47,8 +47,8 @@ static struct definition *definition_named(const bcifs_automaton *automaton, con
     return NULL;
 }
 
-static bcifs_status cell_declare(bcifs_automaton *automaton, struct module *module, struct syntax_cell *syntax,
-                                 struct report *report)
+static bcifs_status cell_declare(bcifs_automaton *automaton, struct module *module,
+                                 struct syntax_cell *syntax, struct report *report)
 {
     if (definition_named(automaton, module, syntax->name))
         return report_error(report, module->source, syntax->place, "the state '%s' is defined twice",
@@ -118,8 +118,8 @@ struct place_of_names {
 static bcifs_status names_resolve(const struct place_of_names *names, struct expression *expression,
                                   const char *const *locals, size_t local_count)
 {
-    return expression_resolve(expression, names->module->scope, names->arguments, names->argument_count, locals,
-                              local_count, names->module->source, names->report);
+    return expression_resolve(expression, names->module->scope, names->arguments, names->argument_count,
+                              locals, local_count, names->module->source, names->report);
 }
 
 static bcifs_status unknown_state(const struct place_of_names *names, const struct module *module,
@@ -154,8 +154,8 @@ static bcifs_status reference_resolve(const struct place_of_names *names, struct
     size_t wanted = definition->argument_count;
     if (syntax->count != wanted && (syntax->has_arguments || !may_omit_arguments))
         return report_error(names->report, names->module->source, syntax->place,
-                            "'%s' takes %zu argument%s, found %zu", syntax->name, wanted, wanted == 1 ? "" : "s",
-                            syntax->count);
+                            "'%s' takes %zu argument%s, found %zu", syntax->name, wanted,
+                            wanted == 1 ? "" : "s", syntax->count);
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < syntax->count; i++) {
         bcifs_status one = names_resolve(names, syntax->arguments[i], NULL, 0);
@@ -283,14 +283,6 @@ static bool part_is_allowed(enum cell_kind cell, enum part_kind part)
     return false;
 }
 
-static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, enum part_kind kind)
-{
-    for (size_t i = 0; i < cell->part_count; i++)
-        if (cell->parts[i]->kind == kind)
-            return cell->parts[i];
-    return NULL;
-}
-
 static size_t parts_of_kind(const struct syntax_cell *cell, enum part_kind kind)
 {
     size_t count = 0;
@@ -299,7 +291,8 @@ static size_t parts_of_kind(const struct syntax_cell *cell, enum part_kind kind)
     return count;
 }
 
-static bcifs_status check_part(const struct place_of_names *names, const struct syntax_cell *cell, size_t index)
+static bcifs_status check_part(const struct place_of_names *names, const struct syntax_cell *cell,
+                               size_t index)
 {
     const struct syntax_part *part = cell->parts[index];
     if (!part_is_allowed(cell->kind, part->kind))
@@ -323,11 +316,13 @@ static bcifs_status check_edge(const struct place_of_names *names, const struct 
 {
     const struct source *source = names->module->source;
     size_t subs = parts_of_kind(cell, PART_SUB);
-    const struct syntax_part *refine = part_of_kind(cell, PART_REFINE), *mask = part_of_kind(cell, PART_MASK);
-    bool start = part_of_kind(cell, PART_START), end = part_of_kind(cell, PART_END);
+    const struct syntax_part *refine = syntax_part_of_kind(cell, PART_REFINE, 0),
+                             *mask = syntax_part_of_kind(cell, PART_MASK, 0);
+    bool start = syntax_part_of_kind(cell, PART_START, 0), end = syntax_part_of_kind(cell, PART_END, 0);
     if ((refine && mask) || ((refine || mask) && subs > 0))
         return report_error(names->report, source, (refine ? refine : mask)->place,
-                            "edge '%s' gives its maps in two ways; keep one of sub, refine, mask", cell->name);
+                            "edge '%s' gives its maps in two ways; keep one of sub, refine, mask",
+                            cell->name);
     if (!refine && !mask && subs == 0)
         return report_error(names->report, source, cell->place,
                             "edge '%s' has no maps: give some with sub, refine or mask", cell->name);
@@ -340,7 +335,9 @@ static bcifs_status check_edge(const struct place_of_names *names, const struct 
     }
     if (!start || !end)
         return report_error(names->report, source, cell->place, "edge '%s' has no %s", cell->name,
-                            !start && !end ? "start and end" : !start ? "start" : "end");
+                            !start && !end ? "start and end"
+                            : !start       ? "start"
+                                           : "end");
     return BCIFS_OK;
 }
 
@@ -371,7 +368,8 @@ static bcifs_status check_cell(const struct place_of_names *names, const struct 
 static bcifs_status joint_make(bcifs_automaton *automaton, struct definition *edge, struct report *report)
 {
     const struct syntax_cell *cell = edge->syntax;
-    if (part_of_kind(cell, PART_START) || (!part_of_kind(cell, PART_REFINE) && !part_of_kind(cell, PART_MASK)))
+    if (syntax_part_of_kind(cell, PART_START, 0) ||
+        (!syntax_part_of_kind(cell, PART_REFINE, 0) && !syntax_part_of_kind(cell, PART_MASK, 0)))
         return BCIFS_OK;
     size_t length = strlen(edge->name);
     char *name = arena_new(&automaton->arena, length + sizeof ".joint", 1);
@@ -396,7 +394,8 @@ struct definition *automaton_product(const bcifs_automaton *automaton, const str
     for (size_t i = 0; i < automaton->definition_count; i++) {
         struct definition *definition = automaton->definitions[i];
         if (definition->form == DEFINITION_PRODUCT && definition->factors[0] == a &&
-            definition->factors[1] == b && !definition->factor_references[0] && !definition->factor_references[1])
+            definition->factors[1] == b && !definition->factor_references[0] &&
+            !definition->factor_references[1])
             return definition;
     }
     return NULL;
@@ -411,7 +410,7 @@ static bcifs_status product_make(bcifs_automaton *automaton, struct definition *
     struct text name = {0};
     text_format(&name, "%s*%s", a->name, b->name);
     struct definition product = {.form = DEFINITION_PRODUCT,
-                                 .kind = a->kind == CELL_VERTEX ? b->kind
+                                 .kind = a->kind == CELL_VERTEX   ? b->kind
                                          : b->kind == CELL_VERTEX ? a->kind
                                                                   : CELL_FACE,
                                  .module = automaton->modules[0],
@@ -445,7 +444,8 @@ static bcifs_status each_boundary(struct definition *definition, definition_visi
     const struct syntax_cell *cell = definition->syntax;
     bcifs_status status = definition->joint ? visit(context, definition->joint) : BCIFS_OK;
     for (size_t i = 0; i < cell->part_count && status == BCIFS_OK; i++)
-        if (cell->parts[i]->kind != PART_SUB && cell->parts[i]->reference && cell->parts[i]->reference->target)
+        if (cell->parts[i]->kind != PART_SUB && cell->parts[i]->reference &&
+            cell->parts[i]->reference->target)
             status = visit(context, cell->parts[i]->reference->target->definition);
     return status;
 }
@@ -476,7 +476,8 @@ static bcifs_status visit_left_children(void *context, struct definition *defini
 }
 
 /* The states of the children and boundaries of a product are products too, [IM] 6.1. */
-static bcifs_status product_close(bcifs_automaton *automaton, struct definition *product, struct report *report)
+static bcifs_status product_close(bcifs_automaton *automaton, struct definition *product,
+                                  struct report *report)
 {
     struct product_visit visit = {automaton, report, product->factors[0], product->factors[1]};
     bcifs_status status = each_child(product->factors[0], visit_left_children, &visit);
@@ -498,7 +499,8 @@ static bcifs_status factors_resolve(const struct place_of_names *names, struct d
         struct definition *factor = syntax->target->definition;
         if (factor->kind != CELL_EDGE)
             return report_error(names->report, names->module->source, syntax->place,
-                                "a product needs two edges; '%s' is a %s", syntax->name, kind_names[factor->kind]);
+                                "a product needs two edges; '%s' is a %s", syntax->name,
+                                kind_names[factor->kind]);
         definition->factors[i] = factor;
         if (syntax->has_arguments)
             definition->factor_references[i] = syntax->target;
@@ -535,7 +537,8 @@ static bcifs_status figure_resolve(const struct place_of_names *names, const str
 static bcifs_status wavelet_resolve(const struct place_of_names *names, const struct syntax_wavelet *wavelet)
 {
     bcifs_status status = reference_resolve(names, wavelet->reference, true);
-    bcifs_status smooth = matrix_resolve(names, wavelet->smooth), detail = matrix_resolve(names, wavelet->detail);
+    bcifs_status smooth = matrix_resolve(names, wavelet->smooth),
+                 detail = matrix_resolve(names, wavelet->detail);
     if (status || smooth || detail)
         return status ? status : smooth ? smooth : detail;
     if (wavelet->reference->target->definition->kind != CELL_EDGE)
@@ -598,8 +601,8 @@ static bcifs_status generate_all(bcifs_automaton *automaton, struct report *repo
     for (size_t i = 0; i < automaton->definition_count && status == BCIFS_OK; i++)
         if (automaton->definitions[i]->form == DEFINITION_WRITTEN)
             status = joint_make(automaton, automaton->definitions[i], report);
-    /* The list grows while products make the products of their boundaries; factors are edges and vertices, so it
-     * is finite. */
+    /* The list grows while products make the products of their boundaries; factors are edges and vertices, so
+     * it is finite. */
     for (size_t i = 0; i < automaton->definition_count && status == BCIFS_OK; i++)
         if (automaton->definitions[i]->form == DEFINITION_PRODUCT)
             status = product_close(automaton, automaton->definitions[i], report);
@@ -608,9 +611,9 @@ static bcifs_status generate_all(bcifs_automaton *automaton, struct report *repo
 
 /* ---- What is structural -------------------------------------------------------------------------------- */
 
-/* Parameters and arguments that sizes, indices or ranges depend on keep their values while equations are proved;
- * all others are replaced by random residues. The property travels from a child's argument to the expressions
- * that are written for it, until nothing changes. */
+/* Parameters and arguments that sizes, indices or ranges depend on keep their values while equations are
+ * proved; all others are replaced by random residues. The property travels from a child's argument to the
+ * expressions that are written for it, until nothing changes. */
 struct marking {
     bool *parameters;
     bool *arguments;

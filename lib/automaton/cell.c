@@ -72,14 +72,6 @@ bcifs_status reference_evaluate(const struct setting *setting, struct arena *are
     return BCIFS_OK;
 }
 
-static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, enum part_kind kind)
-{
-    for (size_t i = 0; i < cell->part_count; i++)
-        if (cell->parts[i]->kind == kind)
-            return cell->parts[i];
-    return NULL;
-}
-
 /* m_a = ceil((length - 1) / (N - 1)) control points for a mask, design section 4. */
 static bcifs_status mask_points(const struct elaboration *elaboration, const struct syntax_part *mask,
                                 size_t *points)
@@ -119,8 +111,8 @@ static bcifs_status refine_joint_points(const struct elaboration *elaboration, c
 static bcifs_status own_points(struct elaboration *elaboration, size_t *points)
 {
     const struct syntax_cell *cell = elaboration->syntax;
-    const struct syntax_part *mask = part_of_kind(cell, PART_MASK), *refine = part_of_kind(cell, PART_REFINE);
-    const struct syntax_part *sub = part_of_kind(cell, PART_SUB);
+    const struct syntax_part *mask = syntax_part_of_kind(cell, PART_MASK, 0), *refine = syntax_part_of_kind(cell, PART_REFINE, 0);
+    const struct syntax_part *sub = syntax_part_of_kind(cell, PART_SUB, 0);
     size_t from_mask = 0;
     if (mask) {
         bcifs_status status = mask_points(elaboration, mask, &from_mask);
@@ -193,7 +185,7 @@ static bcifs_status joint_points(struct elaboration *elaboration, size_t *points
     bcifs_status status = own_points(elaboration, &edge_points);
     if (status)
         return status;
-    const struct syntax_part *refine = part_of_kind(elaboration->syntax, PART_REFINE);
+    const struct syntax_part *refine = syntax_part_of_kind(elaboration->syntax, PART_REFINE, 0);
     if (!refine) {
         *points = edge_points - 1;
         return BCIFS_OK;
@@ -595,11 +587,11 @@ static bcifs_status refinement_children(struct elaboration *elaboration, const s
 static bcifs_status joint_elaborate(struct elaboration *elaboration)
 {
     struct cell *cell = elaboration->cell;
-    const struct syntax_part *part = part_of_kind(elaboration->syntax, PART_REFINE);
+    const struct syntax_part *part = syntax_part_of_kind(elaboration->syntax, PART_REFINE, 0);
     size_t edge_points;
     struct value_matrix *whole, *map;
     if (!part)
-        part = part_of_kind(elaboration->syntax, PART_MASK);
+        part = syntax_part_of_kind(elaboration->syntax, PART_MASK, 0);
     bcifs_status status = own_points(elaboration, &edge_points);
     if (status == BCIFS_OK)
         status = joint_points(elaboration, &cell->points);
@@ -785,12 +777,12 @@ static bcifs_status written_elaborate(struct elaboration *elaboration)
     cell->boundaries = arena_new(elaboration->arena, CELL_MOST_BOUNDARIES, sizeof *cell->boundaries);
     if (status || !cell->boundaries)
         return status ? status : out_of_memory(elaboration->setting);
-    const struct syntax_part *refinement = part_of_kind(syntax, PART_REFINE);
+    const struct syntax_part *refinement = syntax_part_of_kind(syntax, PART_REFINE, 0);
     if (!refinement)
-        refinement = part_of_kind(syntax, PART_MASK);
+        refinement = syntax_part_of_kind(syntax, PART_MASK, 0);
     if (refinement)
         status = refinement_children(elaboration, refinement, &joint);
-    else if (cell->definition->kind == CELL_VERTEX && !part_of_kind(syntax, PART_SUB))
+    else if (cell->definition->kind == CELL_VERTEX && !syntax_part_of_kind(syntax, PART_SUB, 0))
         status = vertex_default(elaboration);
     else
         status = children_add(elaboration);

@@ -165,15 +165,6 @@ static bcifs_status tokens_replace(struct rewriting *rewriting, uint32_t first, 
 
 /* ---- The edge's matrices ------------------------------------------------------------------------------- */
 
-static const struct syntax_part *part_of_kind(const struct syntax_cell *cell, enum part_kind kind,
-                                              size_t number)
-{
-    for (size_t i = 0; i < cell->part_count; i++)
-        if (cell->parts[i]->kind == kind && number-- == 0)
-            return cell->parts[i];
-    return NULL;
-}
-
 /* Elaborates the edge: `free` with random residues for params and arguments, otherwise at the params' values.
  */
 static bcifs_status subject_make(struct rewriting *rewriting, const struct definition *definition, bool free,
@@ -215,8 +206,8 @@ static bcifs_status refinement_script(struct rewriting *rewriting, const struct 
                                       struct script *script)
 {
     const struct syntax_cell *cell = subject->definition->syntax;
-    const struct syntax_part *mask = part_of_kind(cell, PART_MASK, 0),
-                             *refine = part_of_kind(cell, PART_REFINE, 0);
+    const struct syntax_part *mask = syntax_part_of_kind(cell, PART_MASK, 0),
+                             *refine = syntax_part_of_kind(cell, PART_REFINE, 0);
     const struct syntax_part *part = mask ? mask : refine;
     size_t m = subject->class.points, n = subject->class.subdivisions, step = subject->class.step;
     struct script written;
@@ -232,7 +223,7 @@ static bcifs_status refinement_script(struct rewriting *rewriting, const struct 
         script->texts[i] = inside ? written.texts[index - (m - 1)] : "0";
     }
     for (size_t k = 0; status == BCIFS_OK && !part && k < n; k++) {
-        part = part_of_kind(cell, PART_SUB, k);
+        part = syntax_part_of_kind(cell, PART_SUB, k);
         if (part->matrix)
             status = script_of_matrix(rewriting, part->matrix, &written);
         for (size_t i = 0; status == BCIFS_OK && part->matrix && i < m * m; i++) {
@@ -287,8 +278,8 @@ static bcifs_status level_proved(struct rewriting *rewriting, const struct defin
 /* Both refine and mask put every child in the state itself, arguments included. */
 static bool children_are_own(const struct syntax_cell *cell, const struct definition *definition)
 {
-    for (size_t i = 0; part_of_kind(cell, PART_SUB, i); i++) {
-        const struct reference *target = part_of_kind(cell, PART_SUB, i)->reference->target;
+    for (size_t i = 0; syntax_part_of_kind(cell, PART_SUB, i); i++) {
+        const struct reference *target = syntax_part_of_kind(cell, PART_SUB, i)->reference->target;
         if (target->definition != definition)
             return false;
         for (size_t k = 0; k < definition->argument_count; k++) {
@@ -519,7 +510,7 @@ static bcifs_status edge_rewrite(struct rewriting *rewriting, const struct defin
     struct subject actual;
     struct script script;
     bool of_params = false;
-    if (part_of_kind(definition->syntax, kinds[rewriting->level], 0))
+    if (syntax_part_of_kind(definition->syntax, kinds[rewriting->level], 0))
         return BCIFS_OK;
     if (definition_is_structural(definition))
         return decline(rewriting, definition, "its sizes depend on its arguments");

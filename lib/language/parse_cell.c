@@ -274,3 +274,12 @@ struct syntax_cell *parse_cell(struct parser *p)
     cell->last = p->next - 1;
     return good ? cell : NULL;
 }
+
+const struct syntax_part *syntax_part_of_kind(const struct syntax_cell *cell, enum part_kind kind,
+                                              size_t number)
+{
+    for (size_t i = 0; i < cell->part_count; i++)
+        if (cell->parts[i]->kind == kind && number-- == 0)
+            return cell->parts[i];
+    return NULL;
+}

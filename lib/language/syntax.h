@@ -281,6 +281,8 @@ bcifs_status syntax_parse(struct arena *arena, const struct source *source, stru
 /* A single expression, all of the source: the right side of --set. */
 bcifs_status syntax_parse_expression(struct arena *arena, const struct source *source, struct report *report,
                                      struct expression **expression);
+/* The part of a kind that is number `number` of them, from 0; NULL when there are not so many. */
+const struct syntax_part *syntax_part_of_kind(const struct syntax_cell *cell, enum part_kind kind, size_t number);
 /* The file in canonical layout. Formatting its own result changes nothing. */
 void syntax_print(const struct syntax_file *file, struct text *text);
 

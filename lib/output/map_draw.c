@@ -10,6 +10,7 @@
 #include "output/picture.h"
 #include "output/png.h"
 #include "output/unicode.h"
+#include "output/provenance.h"
 #include "output/xml.h"
 
 enum {
@@ -679,29 +680,10 @@ static void metadata_write(const struct chart *chart)
 {
     const struct job *job = chart->job;
     struct file *file = chart->svg;
-    file_text(file, "<metadata>\n<bcifs:software>bcifs " BCIFS_VERSION "</bcifs:software>\n");
-    if (job->command) {
-        file_text(file, "<bcifs:command>");
-        xml_write(file, job->command);
-        file_text(file, "</bcifs:command>\n");
-    }
-    for (size_t i = 0; i < job->source_count; i++) {
-        file_text(file, "<bcifs:automaton file=\"");
-        xml_write(file, job->sources[i]->name);
-        file_text(file, "\">");
-        xml_write(file, job->sources[i]->text);
-        file_text(file, "</bcifs:automaton>\n");
-    }
+    file_text(file, "<metadata>\n");
+    provenance_command_write(file, job->command);
+    provenance_sources_write(file, job);
     file_text(file, "</metadata>\n");
-}
-
-static void size_write(struct file *file, const char *before, unsigned width, const char *between,
-                       unsigned height)
-{
-    file_text(file, before);
-    file_integer(file, width);
-    file_text(file, between);
-    file_integer(file, height);
 }
 
 static void head_write(const struct chart *chart)
@@ -710,14 +692,14 @@ static void head_write(const struct chart *chart)
     struct file *file = chart->svg;
     file_text(file, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                     "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:bcifs=\"urn:bcifs\"");
-    size_write(file, " width=\"", chart->width, "\" height=\"", chart->height);
-    size_write(file, "\" viewBox=\"0 0 ", chart->width, " ", chart->height);
+    xml_size_write(file, " width=\"", chart->width, "\" height=\"", chart->height);
+    xml_size_write(file, "\" viewBox=\"0 0 ", chart->width, " ", chart->height);
     file_text(file, "\">\n<title>");
     xml_write(file, job->title[0] ? job->title : job->automaton);
     file_text(file, ", parameter map</title>\n");
     description_write(chart);
     metadata_write(chart);
-    size_write(file, "<rect width=\"", chart->width, "\" height=\"", chart->height);
+    xml_size_write(file, "<rect width=\"", chart->width, "\" height=\"", chart->height);
     color_write(file, "\" fill", PAPER);
     file_text(file, "/>\n<g");
     color_write(file, " stroke", INK);

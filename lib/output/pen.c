@@ -6,6 +6,7 @@
 #include "output/glyphs.h"
 #include "output/png.h"
 #include "output/raster.h"
+#include "output/provenance.h"
 #include "output/xml.h"
 
 /* One of the two is set. */
@@ -130,12 +131,9 @@ static void head_write(const struct job *job, unsigned width, unsigned height, s
     xml_write(file, job->title[0] ? job->title : job->automaton);
     file_text(file, job->figure[0] ? ", " : "");
     xml_write(file, job->figure);
-    file_text(file, "</title>\n<metadata>\n<bcifs:software>bcifs " BCIFS_VERSION "</bcifs:software>\n");
-    if (job->command) {
-        file_text(file, "<bcifs:command>");
-        xml_write(file, job->command);
-        file_text(file, "</bcifs:command>\n");
-    }
+    file_text(file, "</title>\n<metadata>\n");
+    provenance_command_write(file, job->command);
+    provenance_sources_write(file, job);
     file_text(file, "</metadata>\n<rect width=\"");
     file_integer(file, width);
     file_text(file, "\" height=\"");

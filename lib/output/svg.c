@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "output/format.h"
 #include "output/picture.h"
+#include "output/provenance.h"
 #include "output/xml.h"
 
 enum {
@@ -124,30 +125,11 @@ static void metadata_write(const struct drawing *drawing)
 {
     const struct job *job = drawing->picture.job;
     struct file *file = drawing->file;
-    file_text(file, "<metadata>\n<bcifs:software>bcifs " BCIFS_VERSION "</bcifs:software>\n");
-    if (job->command) {
-        file_text(file, "<bcifs:command>");
-        xml_write(file, job->command);
-        file_text(file, "</bcifs:command>\n");
-    }
+    file_text(file, "<metadata>\n");
+    provenance_command_write(file, job->command);
     transform_write(drawing);
-    for (size_t i = 0; i < job->source_count; i++) {
-        file_text(file, "<bcifs:automaton file=\"");
-        xml_write(file, job->sources[i]->name);
-        file_text(file, "\">");
-        xml_write(file, job->sources[i]->text);
-        file_text(file, "</bcifs:automaton>\n");
-    }
+    provenance_sources_write(file, job);
     file_text(file, "</metadata>\n");
-}
-
-static void size_write(struct file *file, const char *before, unsigned width, const char *between,
-                       unsigned height)
-{
-    file_text(file, before);
-    file_integer(file, width);
-    file_text(file, between);
-    file_integer(file, height);
 }
 
 static void head_write(const struct drawing *drawing)
@@ -157,8 +139,8 @@ static void head_write(const struct drawing *drawing)
     struct file *file = drawing->file;
     file_text(file, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                     "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:bcifs=\"urn:bcifs\"");
-    size_write(file, " width=\"", picture->width, "\" height=\"", picture->height);
-    size_write(file, "\" viewBox=\"0 0 ", picture->width, " ", picture->height);
+    xml_size_write(file, " width=\"", picture->width, "\" height=\"", picture->height);
+    xml_size_write(file, "\" viewBox=\"0 0 ", picture->width, " ", picture->height);
     file_text(file, "\">\n<title>");
     xml_write(file, job->title[0] ? job->title : job->automaton);
     if (job->figure[0])
@@ -167,7 +149,7 @@ static void head_write(const struct drawing *drawing)
     file_text(file, "</title>\n");
     description_write(drawing);
     metadata_write(drawing);
-    size_write(file, "<rect width=\"", picture->width, "\" height=\"", picture->height);
+    xml_size_write(file, "<rect width=\"", picture->width, "\" height=\"", picture->height);
     file_text(file,
               "\" fill=\"#fff\"/>\n<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
 }

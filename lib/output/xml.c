@@ -22,3 +22,12 @@ void xml_write(struct file *file, const char *text)
             file_write(file, next.bytes, next.length);
     }
 }
+
+void xml_size_write(struct file *file, const char *before, unsigned width, const char *between,
+                    unsigned height)
+{
+    file_text(file, before);
+    file_integer(file, width);
+    file_text(file, between);
+    file_integer(file, height);
+}

@@ -7,5 +7,7 @@
 /* Text, or the value of an attribute in double quotes. XML has no way to hold a few characters at all; they
  * become U+FFFD. */
 void xml_write(struct file *file, const char *text);
+/* Two numbers of pixels between pieces of markup: before, width, between, height. */
+void xml_size_write(struct file *file, const char *before, unsigned width, const char *between, unsigned height);
 
 #endif
