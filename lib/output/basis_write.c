@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "evaluate/basis.h"
 #include "output/pen.h"
+#include "output/provenance.h"
 
 /* ---- Table --------------------------------------------------------------------------------------------- */
 
@@ -341,11 +342,13 @@ bcifs_status bcifs_write_basis(const bcifs_figure *figure, const bcifs_basis_vie
 {
     struct report report = report_new(NULL);
     const bcifs_automaton *automaton = figure_automaton(figure);
+    const struct source *sources[AUTOMATON_MOST_MODULES];
     struct job job = {.automaton = bcifs_automaton_name(automaton),
                       .title = bcifs_automaton_title(automaton),
                       .figure = figure->name,
                       .command = options ? options->command : NULL,
                       .report = &report};
+    provenance_sources_take(&job, automaton, sources);
     struct basis basis;
     if (basis_open(&basis, figure, view, &report) == BCIFS_OK) {
         basis_write(&job, &basis, path, options);

@@ -4,6 +4,7 @@
 #include "automaton/automaton.h"
 #include "output/map_draw.h"
 #include "output/picture.h"
+#include "output/provenance.h"
 
 /* One grid point a line, the second param changing fastest. */
 static bcifs_status map_csv_write(const bcifs_map *map, const struct job *job, struct file *file)
@@ -59,12 +60,9 @@ bcifs_status bcifs_map_write(const bcifs_map *map, const char *path, const bcifs
                       .title = bcifs_automaton_title(automaton),
                       .figure = "",
                       .command = options->command,
-                      .sources = sources,
                       .width = options->width ? options->width : PICTURE_DEFAULT_WIDTH,
                       .report = &report};
-    for (; job.source_count < automaton->module_count && job.source_count < AUTOMATON_MOST_MODULES;
-         job.source_count++)
-        sources[job.source_count] = automaton->modules[job.source_count]->source;
+    provenance_sources_take(&job, automaton, sources);
     bcifs_status status = format_choose(path, options->format, &report, &index);
     if (status == BCIFS_OK)
         status = file_open(&file, path, &report);

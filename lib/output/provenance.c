@@ -2,6 +2,14 @@
 
 #include "output/xml.h"
 
+void provenance_sources_take(struct job *job, const bcifs_automaton *automaton,
+                             const struct source *sources[AUTOMATON_MOST_MODULES])
+{
+    job->sources = sources;
+    for (job->source_count = 0; job->source_count < automaton->module_count; job->source_count++)
+        sources[job->source_count] = automaton->modules[job->source_count]->source;
+}
+
 void provenance_command_write(struct file *file, const char *command)
 {
     file_text(file, "<bcifs:software>bcifs " BCIFS_VERSION "</bcifs:software>\n");

@@ -4,6 +4,7 @@
 #include "automaton/figure.h"
 #include "output/format.h"
 #include "output/picture.h"
+#include "output/provenance.h"
 
 bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, size_t layer_count,
                          const char *path, const bcifs_write_options *options, bcifs_error *error)
@@ -18,14 +19,11 @@ bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, 
                       .title = bcifs_automaton_title(automaton),
                       .figure = bcifs_figure_name(figure),
                       .command = options->command,
-                      .sources = sources,
                       .width = options->width ? options->width : PICTURE_DEFAULT_WIDTH,
                       .progress = options->progress,
                       .context = options->context,
                       .report = &report};
-    for (; job.source_count < automaton->module_count && job.source_count < AUTOMATON_MOST_MODULES;
-         job.source_count++)
-        sources[job.source_count] = automaton->modules[job.source_count]->source;
+    provenance_sources_take(&job, automaton, sources);
     struct layer *drawn = memory_new(layer_count, sizeof *drawn);
     struct segments *segments = memory_new(layer_count, sizeof *segments);
     job.layers = drawn;

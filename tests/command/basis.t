@@ -252,4 +252,13 @@ my $broken = scratch(undef, "automaton broken\nvertex v 1 { }\nedge e 2 { start 
         . " sub e [ 1 1/2; 0 1/2 ]\n sub e [ 1/3 0; 2/3 1 ] }\n");
 is((bcifs([ 'basis', $broken, '--state', 'e' ]))[0], 1, 'an automaton whose equations fail is refused');
 
+# A picture can be made again: the automaton's text and the command line travel inside.
+{
+    my $svg = scratch('provenance.svg');
+    my ($status) = bcifs([ 'basis', "$ROOT/automata/chaikin.bcifs", '--state', 'arc', '--depth', 4, '-o', $svg ]);
+    is($status, 0, 'a picture of blending functions');
+    like(file_text($svg), qr/<bcifs:automaton file="[^"]*chaikin\.bcifs">[^<]*\nautomaton chaikin /, 'holds the automaton');
+    like(file_text($svg), qr/<bcifs:command>bcifs basis /, 'and the command line');
+}
+
 done_testing;
