@@ -1,0 +1,199 @@
+#include "bank.h"
+
+#include <string.h>
+
+/* ---- Steps --------------------------------------------------------------------------------------------- */
+
+/* L L^T = S^T S. */
+static enum sparse_outcome gram_factor(const struct sparse *s, struct arena *arena, struct sparse_cholesky *factor)
+{
+    struct arena scratch = {0};
+    struct sparse transposed, gram;
+    bool made = sparse_transpose(s, &transposed, &scratch) && sparse_multiply(&transposed, s, &gram, &scratch);
+    enum sparse_outcome outcome = made ? sparse_cholesky_factor(&gram, NULL, arena, factor) : SPARSE_MEMORY;
+    arena_free(&scratch);
+    return outcome;
+}
+
+static enum sparse_outcome grams_factor(struct bank_step *step, struct arena *arena)
+{
+    struct arena scratch = {0};
+    struct sparse refinement, rows, wavelet;
+    enum sparse_outcome outcome = SPARSE_MEMORY;
+    if (stencil_sparse(&step->refinement, &refinement, &scratch))
+        outcome = gram_factor(&refinement, arena, &step->coarse_gram);
+    if (outcome == SPARSE_DONE && step->details > 0) {
+        outcome = SPARSE_MEMORY;
+        if (stencil_sparse(&step->wavelet, &rows, &scratch) && sparse_transpose(&rows, &wavelet, &scratch))
+            outcome = gram_factor(&wavelet, arena, &step->detail_gram);
+    }
+    arena_free(&scratch);
+    return outcome;
+}
+
+static bcifs_status step_refuse(const struct ladder *ladder, size_t chain, unsigned rung, struct report *report)
+{
+    const struct rung *cells = &ladder->chains[chain].rungs[rung];
+    return report_failure(report, BCIFS_INPUT, NULL,
+                          "there is no decomposition of '%s' to %zu control points: its refinement matrix does not "
+                          "have full rank",
+                          ladder->states.states[cells->cells[0]].key.definition->name, cells->points);
+}
+
+/* The filters that the file declares for the state of all cells, or derived ones. */
+static bcifs_status step_filter(struct bank_step *step, const struct ladder *ladder, size_t chain, unsigned rung,
+                                struct arena *arena, struct report *report)
+{
+    const struct rung *cells = &ladder->chains[chain].rungs[rung];
+    const struct definition *definition = ladder->states.states[cells->cells[0]].key.definition;
+    const struct declared_filters *declared = NULL;
+    struct filters filters;
+    bcifs_status status = filters_declared(ladder->figure->automaton, definition, arena, report, &declared);
+    if (status || !ladder->chains[chain].closed)
+        return status;
+    for (size_t i = 1; declared && i < cells->count; i++)
+        if (ladder->states.states[cells->cells[i]].key.definition != definition)
+            declared = NULL;
+    if (declared)
+        status = filters_apply_declared(&step->refinement, declared, arena, &filters, &step->filtered);
+    if (status == BCIFS_OK && !step->filtered)
+        status = filters_derive(&step->refinement, arena, &filters, &step->filtered);
+    if (status)
+        return report_memory(report);
+    if (step->filtered) {
+        step->smooth = filters.smooth;
+        step->detail = filters.detail;
+        step->wavelet = filters.wavelet;
+    }
+    return BCIFS_OK;
+}
+
+static bcifs_status step_create(struct bank_step *step, const struct ladder *ladder, size_t chain, unsigned rung,
+                                struct arena *arena, struct report *report)
+{
+    const struct rung *rungs = ladder->chains[chain].rungs;
+    step->coarse = rungs[rung].points;
+    step->fine = rungs[rung + 1].points;
+    if (step->fine < step->coarse)
+        return step_refuse(ladder, chain, rung, report);
+    step->details = step->fine - step->coarse;
+    bcifs_status status = ladder_refinement(ladder, chain, rung, &step->refinement);
+    if (status == BCIFS_OK)
+        status = step_filter(step, ladder, chain, rung, arena, report);
+    if (status || step->filtered)
+        return status;
+    bool found;
+    if (complement_find(&step->refinement, ladder->chains[chain].closed, arena, &step->wavelet, &found))
+        return report_memory(report);
+    if (!found)
+        return step_refuse(ladder, chain, rung, report);
+    enum sparse_outcome outcome = grams_factor(step, arena);
+    return outcome == SPARSE_DONE         ? BCIFS_OK
+           : outcome == SPARSE_INDEFINITE ? step_refuse(ladder, chain, rung, report)
+                                          : report_memory(report);
+}
+
+bcifs_status bank_create(struct bank *bank, const struct ladder *ladder, unsigned bottom, unsigned top,
+                         struct arena *arena, struct report *report)
+{
+    *bank = (struct bank){.arena = arena,
+                          .ladder = ladder,
+                          .bottom = bottom,
+                          .top = top,
+                          .count = ladder_points(ladder, top),
+                          .scale = ladder_points(ladder, bottom)};
+    bank->steps = arena_new(arena, top - bottom, sizeof *bank->steps);
+    if (!bank->steps)
+        return report_memory(report);
+    for (unsigned rung = top; rung-- > bottom;) {
+        struct bank_step *steps = arena_new(arena, ladder->chain_count, sizeof *steps);
+        bank->steps[rung - bottom] = steps;
+        if (!steps)
+            return report_memory(report);
+        for (size_t c = 0; c < ladder->chain_count; c++) {
+            bcifs_status status = step_create(&steps[c], ladder, c, rung, arena, report);
+            if (status)
+                return status;
+        }
+    }
+    return BCIFS_OK;
+}
+
+size_t bank_details_at(const struct bank *bank, unsigned rung)
+{
+    return ladder_points(bank->ladder, rung);
+}
+
+/* ---- Decomposition ------------------------------------------------------------------------------------- */
+
+/* x^{j-1} and d^{j-1} of one chain. `rest`: fine × components, `workspace`: fine × components numbers. */
+static void step_decompose(const struct bank_step *step, const double *fine, size_t components, double *coarse,
+                           double *details, double *rest, double *workspace)
+{
+    if (step->filtered) {
+        stencil_apply(&step->smooth, fine, components, false, coarse);
+        stencil_apply(&step->detail, fine, components, false, details);
+        return;
+    }
+    memset(coarse, 0, step->coarse * components * sizeof *coarse);
+    stencil_apply_transposed(&step->refinement, fine, components, coarse);
+    sparse_cholesky_solve(&step->coarse_gram, coarse, components, workspace);
+    stencil_apply(&step->refinement, coarse, components, false, rest);
+    for (size_t i = 0; i < step->fine * components; i++)
+        rest[i] = fine[i] - rest[i];
+    stencil_apply(&step->wavelet, rest, components, false, details);
+    if (step->details > 0)
+        sparse_cholesky_solve(&step->detail_gram, details, components, workspace);
+}
+
+/* x^j = P x^{j-1} + Q d^{j-1}. */
+static void step_reconstruct(const struct bank_step *step, const double *coarse, const double *details,
+                             size_t components, double *fine)
+{
+    stencil_apply(&step->refinement, coarse, components, false, fine);
+    stencil_apply_transposed(&step->wavelet, details, components, fine);
+}
+
+void bank_decompose(const struct bank *bank, const double *points, size_t components, double *coefficients,
+                    double *workspace)
+{
+    size_t stride = bank->count * components;
+    double *rest = workspace, *solving = rest + stride, *turns[2] = {solving + stride, solving + 2 * stride};
+    const double *fine = points;
+    for (unsigned rung = bank->top; rung-- > bank->bottom;) {
+        double *coarse = rung == bank->bottom ? coefficients : turns[rung % 2];
+        double *details = coefficients + bank_details_at(bank, rung) * components;
+        const struct bank_step *steps = bank->steps[rung - bank->bottom];
+        double *next = coarse;
+        for (size_t c = 0; c < bank->ladder->chain_count; c++) {
+            step_decompose(&steps[c], fine, components, coarse, details, rest, solving);
+            fine += steps[c].fine * components;
+            coarse += steps[c].coarse * components;
+            details += steps[c].details * components;
+        }
+        fine = next;
+    }
+    if (bank->top == bank->bottom)
+        memcpy(coefficients, points, stride * sizeof *coefficients);
+}
+
+void bank_reconstruct(const struct bank *bank, const double *coefficients, size_t components, double *points,
+                      double *workspace)
+{
+    size_t stride = bank->count * components;
+    const double *coarse = coefficients;
+    for (unsigned rung = bank->bottom; rung < bank->top; rung++) {
+        const struct bank_step *steps = bank->steps[rung - bank->bottom];
+        const double *details = coefficients + bank_details_at(bank, rung) * components;
+        double *fine = rung + 1 == bank->top ? points : workspace + (rung % 2 ? stride : 0), *next = fine;
+        for (size_t c = 0; c < bank->ladder->chain_count; c++) {
+            step_reconstruct(&steps[c], coarse, details, components, fine);
+            coarse += steps[c].coarse * components;
+            details += steps[c].details * components;
+            fine += steps[c].fine * components;
+        }
+        coarse = next;
+    }
+    if (bank->top == bank->bottom)
+        memcpy(points, coefficients, stride * sizeof *points);
+}
