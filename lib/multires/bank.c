@@ -124,11 +124,20 @@ size_t bank_details_at(const struct bank *bank, unsigned rung)
     return ladder_points(bank->ladder, rung);
 }
 
-/* ---- Decomposition ------------------------------------------------------------------------------------- */
+/* ---- Decomposition and reconstruction ------------------------------------------------------------------ */
 
-/* x^{j-1} and d^{j-1} of one chain. `rest`: fine × components, `workspace`: fine × components numbers. */
-static void step_decompose(const struct bank_step *step, const double *fine, size_t components, double *coarse,
-                           double *details, double *rest, double *workspace)
+/* x^j = P x^{j-1} + Q d^{j-1}. */
+static void step_reconstruct(const struct bank_step *step, const double *coarse, const double *details,
+                             size_t components, double *fine)
+{
+    stencil_apply(&step->refinement, coarse, components, false, fine);
+    stencil_apply_transposed(&step->wavelet, details, components, fine);
+}
+
+/* c = A x and d = B x, or the least squares that stand for them. `rest` and `workspace` hold fine × components
+ * numbers each. */
+static void step_analyze(const struct bank_step *step, const double *fine, size_t components, double *coarse,
+                         double *details, double *rest, double *workspace)
 {
     if (step->filtered) {
         stencil_apply(&step->smooth, fine, components, false, coarse);
@@ -146,27 +155,38 @@ static void step_decompose(const struct bank_step *step, const double *fine, siz
         sparse_cholesky_solve(&step->detail_gram, details, components, workspace);
 }
 
-/* x^j = P x^{j-1} + Q d^{j-1}. */
-static void step_reconstruct(const struct bank_step *step, const double *coarse, const double *details,
-                             size_t components, double *fine)
+/* x^{j-1} and d^{j-1} of one chain. `workspace` holds four times fine × components numbers. */
+static void step_decompose(const struct bank_step *step, const double *fine, size_t components, double *coarse,
+                           double *details, double *workspace)
 {
-    stencil_apply(&step->refinement, coarse, components, false, fine);
-    stencil_apply_transposed(&step->wavelet, details, components, fine);
+    size_t numbers = step->fine * components, scale = step->coarse * components;
+    double *rest = workspace, *solving = rest + numbers, *missed = solving + numbers, *more = missed + numbers;
+    step_analyze(step, fine, components, coarse, details, rest, solving);
+    if (step->filtered)
+        return;
+    /* The normal equations lose the square of their condition: what reconstruction misses is taken apart again. */
+    step_reconstruct(step, coarse, details, components, missed);
+    for (size_t i = 0; i < numbers; i++)
+        missed[i] = fine[i] - missed[i];
+    step_analyze(step, missed, components, more, more + scale, rest, solving);
+    for (size_t i = 0; i < scale; i++)
+        coarse[i] += more[i];
+    for (size_t i = scale; i < numbers; i++)
+        details[i - scale] += more[i];
 }
 
 void bank_decompose(const struct bank *bank, const double *points, size_t components, double *coefficients,
                     double *workspace)
 {
     size_t stride = bank->count * components;
-    double *rest = workspace, *solving = rest + stride, *turns[2] = {solving + stride, solving + 2 * stride};
+    double *turns[2] = {workspace, workspace + stride}; /* coarse points of one step are the fine ones of the next */
     const double *fine = points;
     for (unsigned rung = bank->top; rung-- > bank->bottom;) {
-        double *coarse = rung == bank->bottom ? coefficients : turns[rung % 2];
+        double *coarse = rung == bank->bottom ? coefficients : turns[rung % 2], *next = coarse;
         double *details = coefficients + bank_details_at(bank, rung) * components;
         const struct bank_step *steps = bank->steps[rung - bank->bottom];
-        double *next = coarse;
         for (size_t c = 0; c < bank->ladder->chain_count; c++) {
-            step_decompose(&steps[c], fine, components, coarse, details, rest, solving);
+            step_decompose(&steps[c], fine, components, coarse, details, workspace + 2 * stride);
             fine += steps[c].fine * components;
             coarse += steps[c].coarse * components;
             details += steps[c].details * components;

@@ -15,6 +15,8 @@
 #include "multires/ladder.h"
 #include "numeric/sparse_cholesky.h"
 
+enum { BANK_WORKSPACE = 6 };
+
 /* A chain between a coarser rung and the next finer one. */
 struct bank_step {
     size_t coarse, details, fine; /* points, details, points */
@@ -41,7 +43,7 @@ bcifs_status bank_create(struct bank *bank, const struct ladder *ladder, unsigne
 /* Where the details of a rung begin among the coefficients; x^L is before them. */
 size_t bank_details_at(const struct bank *bank, unsigned rung);
 /* Points of the top rung to coefficients and back: count × components numbers each, distinct. `workspace` holds
- * 4 count × components numbers. */
+ * BANK_WORKSPACE × count × components numbers. */
 void bank_decompose(const struct bank *bank, const double *points, size_t components, double *coefficients,
                     double *workspace);
 void bank_reconstruct(const struct bank *bank, const double *coefficients, size_t components, double *points,

@@ -37,7 +37,7 @@ struct search {
     const struct stencil *refinement;
     bool closed;
     size_t reach;       /* rows looked at before e */
-    size_t span;        /* columns kept: those from `column` on */
+    size_t span, ahead; /* columns kept: those from `column` on, `ahead` of them behind the last of row e */
     ptrdiff_t column;
     double *rest;       /* span: what of row e is not accounted for yet */
     double *basis;      /* reach × span */
@@ -103,7 +103,7 @@ static bool vector_find(struct search *search, ptrdiff_t e, size_t *length)
     struct stencil_place place;
     size_t count = 0;
     refinement_row(search->refinement, search->closed, e, &place);
-    search->column = place.column + (ptrdiff_t)place.length - (ptrdiff_t)search->span;
+    search->column = place.column + (ptrdiff_t)(place.length + search->ahead) - (ptrdiff_t)search->span;
     row_spread(search, e, search->rest);
     double norm = sqrt(dot(search->rest, search->rest, search->span));
     memset(search->vector, 0, (search->reach + 1) * sizeof *search->vector);
@@ -174,6 +174,7 @@ static void search_size(struct search *search)
         width = (size_t)(run->high - run->low) > width ? (size_t)(run->high - run->low) : width;
     }
     search->reach = 4 * width + 2 * height;
+    search->ahead = width;
     search->span = 4 * width + (search->reach / (height ? height : 1) + 2) * width;
 }
 

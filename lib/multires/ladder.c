@@ -351,13 +351,12 @@ static bcifs_status chain_climb(struct ladder *ladder, size_t index, unsigned ab
     return status;
 }
 
-/* Every point of the own polygons is one of the figure's, and none of those stands in two places. */
+/* Every point of the own polygons is one of the figure's. One that stands in several places is several of theirs. */
 static bcifs_status places_find(struct ladder *ladder)
 {
     const bcifs_figure *figure = ladder->figure;
     size_t *places = arena_new(ladder->arena, ladder_points(ladder, ladder->own), sizeof *places), base = 0;
-    bool *taken = arena_new(ladder->arena, figure->point_count, sizeof *taken);
-    if (!places || !taken)
+    if (!places)
         return out_of_memory(&ladder->states);
     for (size_t c = 0; c < ladder->chain_count; c++) {
         const struct rung *rung = &ladder->chains[c].rungs[ladder->own];
@@ -367,15 +366,6 @@ static bcifs_status places_find(struct ladder *ladder)
             for (size_t j = 0; j < m; j++)
                 places[base + (first + j) % rung->points] = piece->indices[j];
             first += cell_step(ladder, rung->cells[i]);
-        }
-        for (size_t q = 0; q < rung->points; q++) {
-            size_t point = places[base + q];
-            if (taken[point])
-                return report_failure(ladder->states.setting.report, BCIFS_INPUT, NULL,
-                                      "control point %zu of the figure '%s' stands in two places of its curves; for "
-                                      "editing each must stand in one",
-                                      point, figure->name);
-            taken[point] = true;
         }
         base += rung->points;
     }
