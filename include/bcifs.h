@@ -405,6 +405,136 @@ BCIFS_PUBLIC size_t bcifs_number_text(char *out, double number);
 /* Reads a number expression of the language without names ("0.5", "1/3", "sqrt(2)/2"). */
 BCIFS_PUBLIC bcifs_status bcifs_number_read(const char *text, double *number, bcifs_error *error);
 
+/* ---- Filter banks -------------------------------------------------------------------------------------- */
+
+/* Decomposition of a curve's control points into coarser ones and details, and its exact inverse, for any scheme. */
+typedef struct bcifs_bank bcifs_bank;
+
+/* The bank from the figure's control points down `coarsen` levels. When `refine` > 0 the figure is subdivided so often
+ * first, and its control points at that level are the fine ones. BCIFS_INPUT when the figure cannot be coarsened so far:
+ * the message says how far it can, and what number of control points would do. The figure must outlive the bank. */
+BCIFS_PUBLIC bcifs_status bcifs_bank_create(const bcifs_figure *figure, unsigned refine, unsigned coarsen,
+                                            bcifs_bank **bank, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_bank_free(bcifs_bank *bank);
+/* Fine control points, which is also the number of coefficients; and how many of those are coarse control points. A
+ * control point that stands in several places of the figure's curves is one for each. */
+BCIFS_PUBLIC size_t bcifs_bank_points(const bcifs_bank *bank);
+BCIFS_PUBLIC size_t bcifs_bank_scale_points(const bcifs_bank *bank);
+/* The figure's own control points, subdivided `refine` times: bcifs_bank_points × dimension numbers. */
+BCIFS_PUBLIC bcifs_status bcifs_bank_figure_points(const bcifs_bank *bank, double *points, bcifs_error *error);
+/* Fine control points to coefficients and back, bcifs_bank_points × dimension numbers each, in distinct arrays. The
+ * coefficients are the coarse control points, then the details of each level from the coarsest on ([MR] (12)). */
+BCIFS_PUBLIC bcifs_status bcifs_bank_decompose(const bcifs_bank *bank, const double *points, unsigned dimension,
+                                               double *coefficients, bcifs_error *error);
+BCIFS_PUBLIC bcifs_status bcifs_bank_reconstruct(const bcifs_bank *bank, const double *coefficients,
+                                                 unsigned dimension, double *points, bcifs_error *error);
+
+/* ---- The area-true editor ------------------------------------------------------------------------------ */
+
+/* An editing session on a planar curve figure: control points of any level are dragged, and the curve is deformed so
+ * that the area it encloses stays exactly what it was ([MR] section 4; open curves are closed by their chords).
+ * Calls on one editor must not run in parallel. */
+typedef struct bcifs_editor bcifs_editor;
+
+typedef enum bcifs_energy {
+    BCIFS_BENDING,    /* ∫|c''|², each piece of the finest level having unit parameter length */
+    BCIFS_DIFFERENCE, /* sum of squared second differences of the finest control polygon */
+    BCIFS_NO_ENERGY
+} bcifs_energy;
+
+typedef struct bcifs_editor_options {
+    unsigned refine;     /* the figure is subdivided so often first: its control points then are the fine ones */
+    unsigned coarsen;    /* J: control points are dragged J levels above the fine ones */
+    bcifs_energy energy; /* BCIFS_BENDING is taken for BCIFS_DIFFERENCE where the scheme has none */
+} bcifs_editor_options;
+
+/* `options` may be NULL: the figure's own control points. The figure must outlive the editor. */
+BCIFS_PUBLIC bcifs_status bcifs_editor_create(const bcifs_figure *figure, const bcifs_editor_options *options,
+                                              bcifs_editor **editor, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_editor_free(bcifs_editor *editor);
+/* Chooses another level: J as above. Pins and lists of free points, which are of a level, are dropped. */
+BCIFS_PUBLIC bcifs_status bcifs_editor_coarsen(bcifs_editor *editor, unsigned coarsen, bcifs_error *error);
+BCIFS_PUBLIC unsigned bcifs_editor_level(const bcifs_editor *editor);
+/* The energy in use, and why it is not the bending energy that was asked for (NULL otherwise). */
+BCIFS_PUBLIC bcifs_energy bcifs_editor_energy(const bcifs_editor *editor, const char **reason);
+
+typedef enum bcifs_free {
+    BCIFS_FREE_SCALE, /* all control points of the level */
+    BCIFS_FREE_ALL,   /* and all details */
+    BCIFS_FREE_NEAR,  /* the `neighbors` control points on each side of those that are moved, which stay where they are put */
+    BCIFS_FREE_LIST   /* those listed */
+} bcifs_free;
+
+/* How the curve answers: minimize ½ c^T H c + α‖c - c0‖² over the free coefficients c, c0 being those of the
+ * deformed curve, subject to the area (design 6.5). Control points are counted from 0 at the editor's level. */
+typedef struct bcifs_constraint {
+    int keep_area;     /* 0: the deformed curve is the answer */
+    int has_target;    /* the area is to become `target`; otherwise it stays what it was */
+    double target;
+    double alpha;      /* >= 0; 100 is usual */
+    bcifs_free free;
+    size_t neighbors;
+    const size_t *list;
+    size_t list_count;
+    const size_t *pins; /* control points that stay, whatever is free */
+    size_t pin_count;
+} bcifs_constraint;
+
+/* Sets the constraint for the moves to come; the lists are copied. An editor begins with keep_area, alpha 100, all
+ * control points of the level free. */
+BCIFS_PUBLIC bcifs_status bcifs_editor_constrain(bcifs_editor *editor, const bcifs_constraint *constraint,
+                                                 bcifs_error *error);
+
+/* A drag: grab control points of the level, drag them together by (dx, dy) from where they were grabbed, as often as
+ * the pointer moves, and release. What does not change during a drag is computed by the grab. BCIFS_NO when the area cannot
+ * be reached: the message says why, and what the nearest area is; the curve then is the deformed one brought as near as
+ * can be. A release that follows keeps the last answer that reached the area, if there was one. */
+BCIFS_PUBLIC bcifs_status bcifs_editor_grab(bcifs_editor *editor, const size_t *indices, size_t count,
+                                            bcifs_error *error);
+BCIFS_PUBLIC bcifs_status bcifs_editor_drag(bcifs_editor *editor, double dx, double dy, bcifs_error *error);
+BCIFS_PUBLIC bcifs_status bcifs_editor_release(bcifs_editor *editor, bcifs_error *error);
+
+/* One edit as a whole: several control points by a vector each (none at all: only the constraint answers). */
+typedef struct bcifs_move {
+    size_t index;
+    double dx, dy;
+} bcifs_move;
+BCIFS_PUBLIC bcifs_status bcifs_editor_move(bcifs_editor *editor, const bcifs_move *moves, size_t count,
+                                            bcifs_error *error);
+
+/* Back to the curve before the last edit, and forth again; 0 when there is none. */
+BCIFS_PUBLIC int bcifs_editor_undo(bcifs_editor *editor);
+BCIFS_PUBLIC int bcifs_editor_redo(bcifs_editor *editor);
+
+/* The three curves of [MR]: before the last edit (or the drag under way), as the user deformed it, and the answer. */
+typedef enum bcifs_stage { BCIFS_INITIAL, BCIFS_DEFORMED, BCIFS_RESULT } bcifs_stage;
+
+/* Fine control points, and control points of the level: how many, and where: count × 2 numbers. */
+BCIFS_PUBLIC size_t bcifs_editor_points(const bcifs_editor *editor);
+BCIFS_PUBLIC size_t bcifs_editor_scale_points(const bcifs_editor *editor);
+BCIFS_PUBLIC void bcifs_editor_read(const bcifs_editor *editor, bcifs_stage stage, double *points);
+BCIFS_PUBLIC void bcifs_editor_read_scale(const bcifs_editor *editor, bcifs_stage stage, double *points);
+/* A figure with the fine control points of a stage, or with the control points of the level, to be evaluated and drawn. It
+ * must not outlive the editor. */
+BCIFS_PUBLIC bcifs_status bcifs_editor_figure(const bcifs_editor *editor, bcifs_stage stage, int scale,
+                                              bcifs_figure **figure, bcifs_error *error);
+
+typedef struct bcifs_edit_report {
+    double before, deformed, after, target; /* areas; NAN where the scheme has none. `after` is computed from the fine
+                                               control points of the answer */
+    double relative_error;                  /* of `after`, against the target or the largest of the areas */
+    double energy_deformed, energy_after;
+    unsigned iterations; /* values of λ that were tried */
+    double multiplier;   /* λ */
+    int global;          /* no other curve with this area has a lower objective */
+} bcifs_edit_report;
+
+/* What the last edit (or drag) did. */
+BCIFS_PUBLIC void bcifs_editor_report(const bcifs_editor *editor, bcifs_edit_report *report);
+/* The whole as one JSON object, or as text for a person; free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_editor_json(const bcifs_editor *editor);
+BCIFS_PUBLIC char *bcifs_editor_text(const bcifs_editor *editor);
+
 /* ---- Parameter maps ------------------------------------------------------------------------------------ */
 
 /* The class of an automaton at every node of a grid over one or two of its params. */
