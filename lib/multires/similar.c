@@ -2,9 +2,13 @@
 
 #include <math.h>
 
+#include "numeric/enclosure.h"
 #include "numeric/joint_radius.h"
 #include "numeric/tolerance.h"
 #include "numeric/value_equations.h"
+
+enum { MOST_SQUARINGS = 12 };
+static const double LARGEST_POWER = 1e100; /* squares of what is larger might overflow */
 
 /* ---- Frames -------------------------------------------------------------------------------------------- */
 
@@ -16,16 +20,21 @@ static struct value *zeros_new(struct arena *arena, size_t count)
     return zeros;
 }
 
+/* Doubles as near as can be, so that those computed from them keep the digits that tell a fraction. */
+static void values_pin(struct value *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        value_pin(&values[i], 0);
+}
+
 bcifs_status frame_begin(struct frame *frame, size_t points, struct arena *arena)
 {
-    *frame = (struct frame){points, points, arena_new(arena, points, sizeof *frame->kept),
-                            zeros_new(arena, points * points)};
-    if (!frame->kept || !frame->basis)
+    struct value *unit = zeros_new(arena, points * points);
+    if (!unit)
         return BCIFS_MEMORY;
-    for (size_t i = 0; i < points; i++) {
-        frame->kept[i] = i;
-        frame->basis[i * points + i] = value_from_integer(1);
-    }
+    for (size_t i = 0; i < points; i++)
+        unit[i * points + i] = value_from_integer(1);
+    *frame = (struct frame){points, points, unit, unit};
     return BCIFS_OK;
 }
 
@@ -42,47 +51,61 @@ static bcifs_status functional_restrict(const struct frame *frame, const struct 
     return *restricted ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-/* The largest of the numbers that are not negligible; `count` when there is none. */
-static size_t pivot_choose(const struct value *numbers, size_t count)
+/* Where φ is not 0, rising, then where it is; returns how many there are of the former. */
+static size_t support_find(const struct value *phi, size_t count, size_t *places)
 {
     double scale = 0;
-    size_t pivot = count;
+    size_t support = 0, next = 0;
     for (size_t k = 0; k < count; k++)
-        scale = fmax(scale, fabs(numbers[k].real));
+        scale = fmax(scale, fabs(phi[k].real));
     for (size_t k = 0; k < count; k++)
-        if (!value_is_negligible(numbers[k], scale) &&
-            (pivot == count || fabs(numbers[k].real) > fabs(numbers[pivot].real)))
-            pivot = k;
-    return pivot;
+        if (!value_is_negligible(phi[k], scale))
+            places[support++] = k;
+    next = support;
+    for (size_t k = 0; k < count; k++)
+        if (value_is_negligible(phi[k], scale))
+            places[next++] = k;
+    return support;
 }
 
-/* The vectors b_k - (φ_k/φ_p) b_p, k ≠ p. */
+/* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with coordinates w
+ * has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
 bcifs_status frame_cut(struct frame *frame, const struct value *functional, struct arena *arena)
 {
     struct value *phi;
-    bcifs_status status = functional_restrict(frame, functional, arena, &phi);
-    if (status)
+    size_t count = frame->dimension, points = frame->points;
+    size_t *places = arena_new(arena, count, sizeof *places);
+    bcifs_status status = places ? functional_restrict(frame, functional, arena, &phi) : BCIFS_MEMORY;
+    size_t support = status ? 0 : support_find(phi, count, places);
+    if (status || support == 0)
         return status;
-    size_t count = frame->dimension, pivot = pivot_choose(phi, count);
-    if (pivot == count)
-        return BCIFS_OK;
-    struct value *basis = zeros_new(arena, frame->points * (count - 1));
-    size_t *kept = arena_new(arena, count, sizeof *kept);
-    if (!basis || !kept)
+    struct value *basis = zeros_new(arena, points * (count - 1));
+    struct value *coordinates = zeros_new(arena, (count - 1) * points);
+    if (!basis || !coordinates)
         return BCIFS_MEMORY;
-    for (size_t k = 0, l = 0; k < count; k++) {
-        if (k == pivot)
+    struct value ratio = value_from_integer(0);
+    for (size_t a = 0, k = 0; a < count; a++) {
+        size_t place = places[a], follower = a + 1 < support ? places[a + 1] : place;
+        struct value last = ratio;
+        if (a + 1 == support)
             continue;
-        struct value ratio = value_divide(phi[k], phi[pivot]);
+        ratio = a < support ? value_divide(phi[place], phi[follower]) : value_from_integer(0);
         value_pin(&ratio, 0);
-        for (size_t i = 0; i < frame->points; i++) {
+        for (size_t i = 0; i < points; i++) {
             const struct value *row = &frame->basis[i * count];
-            basis[i * (count - 1) + l] = value_subtract(row[k], value_multiply(ratio, row[pivot]));
-            value_pin(&basis[i * (count - 1) + l], 0);
+            struct value coordinate = frame->coordinates[place * points + i];
+            if (a < support && k > 0)
+                coordinate =
+                    value_add(coordinate, value_multiply(last, coordinates[(k - 1) * points + i]));
+            basis[i * (count - 1) + k] =
+                a < support ? value_subtract(row[place], value_multiply(ratio, row[follower])) : row[place];
+            coordinates[k * points + i] = coordinate;
         }
-        kept[l++] = frame->kept[k];
+        k++;
     }
-    *frame = (struct frame){frame->points, count - 1, kept, basis};
+    values_pin(basis, points * (count - 1));
+    values_pin(coordinates, (count - 1) * points);
+    *frame = (struct frame){points, count - 1, basis, coordinates};
     return BCIFS_OK;
 }
 
@@ -95,24 +118,36 @@ struct restricted {
     double *sizes;
 };
 
-/* R, with T B_y = B_x R: the rows of T B_y that are coordinates. */
+/* R = L_x T B_y, so that T B_y = B_x R. */
 static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from, const struct frame *to,
                                  struct arena *arena, struct restricted *r)
 {
-    *r = (struct restricted){from->dimension, to->dimension,
-                             zeros_new(arena, from->dimension * to->dimension),
-                             arena_new(arena, from->dimension * to->dimension, sizeof *r->sizes)};
-    if (!r->values || !r->sizes)
+    size_t rows = from->dimension, columns = to->dimension;
+    struct value *image = zeros_new(arena, map->rows * columns);
+    double *sizes = arena_new(arena, map->rows * columns, sizeof *sizes);
+    *r = (struct restricted){rows, columns, zeros_new(arena, rows * columns),
+                             arena_new(arena, rows * columns, sizeof *r->sizes)};
+    if (!image || !sizes || !r->values || !r->sizes)
         return BCIFS_MEMORY;
-    for (size_t a = 0; a < r->rows; a++)
-        for (size_t i = 0; i < map->columns; i++) {
-            struct value entry = map->values[from->kept[a] * map->columns + i];
-            for (size_t b = 0; b < r->columns; b++) {
-                struct value term = value_multiply(entry, to->basis[i * r->columns + b]);
-                r->values[a * r->columns + b] = value_add(r->values[a * r->columns + b], term);
-                r->sizes[a * r->columns + b] += fabs(term.real);
+    for (size_t i = 0; i < map->rows; i++)
+        for (size_t k = 0; k < map->columns; k++)
+            for (size_t b = 0; b < columns; b++) {
+                struct value term = value_multiply(map->values[i * map->columns + k], to->basis[k * columns + b]);
+                image[i * columns + b] = value_add(image[i * columns + b], term);
+                sizes[i * columns + b] += fabs(term.real);
             }
-        }
+    for (size_t a = 0; a < rows; a++)
+        for (size_t i = 0; i < map->rows; i++)
+            for (size_t b = 0; b < columns; b++) {
+                struct value factor = from->coordinates[a * map->rows + i];
+                struct value term = value_multiply(factor, image[i * columns + b]);
+                r->values[a * columns + b] = value_add(r->values[a * columns + b], term);
+                r->sizes[a * columns + b] += fabs(factor.real) * sizes[i * columns + b];
+            }
+    values_pin(r->values, rows * columns);
+    for (size_t i = 0; i < rows * columns; i++) /* nothing is lost where fractions were recovered */
+        if (r->values[i].exact && value_pin(&r->values[i], 1) < 1)
+            r->sizes[i] = fabs(r->values[i].real);
     return BCIFS_OK;
 }
 
@@ -205,6 +240,7 @@ static bcifs_status operator_make(const struct similar *similar, struct arena *a
             map_add(operator, similar, x, y, &r, factor);
         }
     }
+    values_pin(operator->values, count * count);
     return BCIFS_OK;
 }
 
@@ -230,6 +266,26 @@ static bcifs_status one_is_eigenvalue(const struct operator *operator, struct ar
     return status;
 }
 
+/* ρ(K) <= |K^m|^(1/m), m = 2, 4, 8, …: for orders for which no eigenvectors are computed. */
+static bcifs_status radius_by_powers(double *power, size_t count, double error, struct arena *arena, double *upper)
+{
+    double *square = arena_new(arena, count * count, sizeof *square);
+    if (!square)
+        return BCIFS_MEMORY;
+    double norm = row_norm(power, count, count), exponent = 1;
+    for (int k = 0; k < MOST_SQUARINGS && *upper >= 1 && norm < LARGEST_POWER; k++) {
+        error = multiply_enclosed(power, norm, error, power, norm, error, count, count, count, square);
+        double *swap = power;
+        power = square;
+        square = swap;
+        norm = row_norm(power, count, count);
+        exponent /= 2;
+        if (norm + error < 1 - TOLERANCE_EXACT)
+            *upper = fmin(pow(norm + error, exponent) * (1 + TOLERANCE_EXACT), 1 - TOLERANCE_EXACT * exponent);
+    }
+    return BCIFS_OK;
+}
+
 bcifs_status similar_radius(const struct similar *similar, struct arena *arena, double *lower, double *upper)
 {
     struct operator operator;
@@ -244,7 +300,7 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
     if (!matrix || !error)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
-        struct value entry = operator.values[i];
+        struct value entry = operator.values[i]; /* pinned already; this asks for its error */
         error[i] = value_pin(&entry, 4 * TOLERANCE_EQUATION * operator.sizes[i]); /* two factors, and the sums */
         matrix[i] = entry.real;
         finite = finite && isfinite(matrix[i]) && isfinite(error[i]);
@@ -261,8 +317,11 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
         return status;
     *lower = bounds.lower;
     *upper = bounds.upper;
-    bool found = false;
+    double off = row_norm(error, count, count);
     if (*lower < 1 && *upper >= 1)
+        status = radius_by_powers(matrix, count, off, arena, upper);
+    bool found = false;
+    if (status == BCIFS_OK && *lower < 1 && *upper >= 1)
         status = one_is_eigenvalue(&operator, arena, &found);
     if (found)
         *lower = 1;
@@ -288,6 +347,7 @@ static bcifs_status congruence_add(const struct value_matrix *map, const struct 
                 left[i * columns + j] =
                     value_add(left[i * columns + j], value_multiply(entry, form[k * columns + j]));
         }
+    values_pin(left, rows * columns);
     for (size_t i = 0; i < rows; i++)
         for (size_t j = 0; j < rows; j++)
             for (size_t k = 0; k < columns; k++)
@@ -351,13 +411,22 @@ static bcifs_status equations_make(const struct similar *similar, const struct s
         bcifs_status status = given_sum(similar, data, x, arena, &sum);
         if (status)
             return status;
+        struct value *given = zeros_new(arena, frame->dimension * frame->dimension);
+        const struct value_matrix coordinates = {
+            .rows = frame->dimension, .columns = frame->points, .values = (struct value *)frame->coordinates};
+        if (!given)
+            return BCIFS_MEMORY;
+        status = congruence_add(&coordinates, sum, value_from_integer(1), given, arena);
+        if (status)
+            return status;
+        values_pin(given, frame->dimension * frame->dimension);
         for (size_t a = 0; a < frame->dimension; a++)
             for (size_t b = a + (similar->sign < 0); b < frame->dimension; b++, row++) {
                 struct value *equation = &equations[row * unknowns];
                 for (size_t j = 0; j < operator->count; j++)
                     equation[j] = value_negate(operator->values[row * operator->count + j]);
                 equation[row] = value_add(equation[row], value_from_integer(1));
-                equation[operator->count] = value_negate(sum[frame->kept[a] * frame->points + frame->kept[b]]);
+                equation[operator->count] = value_negate(given[a * frame->dimension + b]);
             }
     }
     for (size_t k = reach->first[similar->component];
@@ -390,7 +459,7 @@ static bcifs_status form_compose(const struct frame *frame, const struct value *
             c->values[b * n + a] = sign < 0 ? value_negate(*entries) : *entries;
             entries++;
         }
-    const struct value_matrix basis = {.rows = points, .columns = n, .values = frame->basis};
+    const struct value_matrix basis = {.rows = points, .columns = n, .values = (struct value *)frame->basis};
     bcifs_status status = congruence_add(&basis, c->values, value_from_integer(1), result, arena);
     /* Both halves are rounded alike. */
     for (size_t i = 0; i < points; i++)
@@ -424,6 +493,8 @@ bcifs_status similar_solve(const struct similar *similar, const struct similar_d
     if (status == BCIFS_OK)
         status = equations_solve(equations, rows, unknowns, true, &own, solution, &free);
     *solved = free == 1;
+    if (status == BCIFS_OK)
+        values_pin(solution, operator.count);
     for (size_t k = 0; k < members && status == BCIFS_OK && *solved; k++) {
         size_t x = reach->members[reach->first[similar->component] + k];
         status = form_compose(&similar->frames[x], data->parts ? data->parts[x] : NULL,

@@ -10,11 +10,12 @@
 
 enum { SIMILAR_MOST_UNKNOWNS = 300 /* entries of a component's forms; the equations take the cube */ };
 
-/* A space of columns. The coordinates of a column in it are its entries kept[0], kept[1], …. */
+/* A space of columns. Its basis is made of differences of consecutive control points, of differences of these, and so
+ * on, because the maps of subdivision schemes are small there. */
 struct frame {
     size_t points, dimension;
-    size_t *kept;
-    struct value *basis; /* points × dimension; the rows `kept` are the unit matrix */
+    const struct value *basis;       /* points × dimension */
+    const struct value *coordinates; /* dimension × points: takes a column of the space to its coordinates */
 };
 
 /* All columns. */
