@@ -535,6 +535,38 @@ BCIFS_PUBLIC void bcifs_editor_report(const bcifs_editor *editor, bcifs_edit_rep
 BCIFS_PUBLIC char *bcifs_editor_json(const bcifs_editor *editor);
 BCIFS_PUBLIC char *bcifs_editor_text(const bcifs_editor *editor);
 
+/* ---- Area ---------------------------------------------------------------------------------------------- */
+
+/* The signed area that a figure's limit curve encloses, a fractal one's too, and the forms that it is computed
+ * from: an arc whose control points have the coordinates X, Y contributes ½ X m Yᵀ. */
+typedef struct bcifs_area bcifs_area;
+
+/* The antisymmetric form m of a state that pieces of the figure are in. */
+typedef struct bcifs_form {
+    const char *state;    /* with its arguments: "p(1,2,1)" */
+    size_t size;          /* control points */
+    const double *matrix; /* size × size numbers */
+    int exact;            /* its entries are known as fractions, of which these are the nearest doubles */
+} bcifs_form;
+
+/* The figure must be a curve in the plane, or a bare state that is `unplaced`, of which there are forms but no area.
+ * The equations are not checked: see bcifs_check_require. BCIFS_NO, with the reason in `error`: the areas of finer and
+ * finer polygons do not converge, or it could not be certified that they do. BCIFS_INPUT: no curve, not in the plane,
+ * displaced, more control points than the limits. */
+BCIFS_PUBLIC bcifs_status bcifs_area_create(const bcifs_figure *figure, bcifs_area **area, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_area_free(bcifs_area *area);
+/* The area, in the square of the unit of the coordinates, positive where the curve runs counterclockwise: the sum over
+ * the figure's chains of arcs, each open one closed by its chord. 0 for an unplaced state. */
+BCIFS_PUBLIC double bcifs_area_value(const bcifs_area *area);
+/* Whether it is known as a fraction, and that fraction, "10/3"; NULL when it is not. Valid as long as the handle. */
+BCIFS_PUBLIC int bcifs_area_exact(const bcifs_area *area);
+BCIFS_PUBLIC const char *bcifs_area_fraction(const bcifs_area *area);
+/* The forms of the states that pieces are in, in order of appearance; NULL past the last. */
+BCIFS_PUBLIC const bcifs_form *bcifs_area_form(const bcifs_area *area, size_t index);
+/* The whole as one JSON object, or as text for a person; free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_area_json(const bcifs_area *area);
+BCIFS_PUBLIC char *bcifs_area_text(const bcifs_area *area);
+
 /* ---- Parameter maps ------------------------------------------------------------------------------------ */
 
 /* The class of an automaton at every node of a grid over one or two of its params. */

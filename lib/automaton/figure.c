@@ -131,6 +131,7 @@ static bcifs_status points_written(struct binding *binding, const struct syntax_
     for (size_t i = 0; i < count; i++)
         points[i] = values[i].real;
     figure->points = points;
+    figure->exact_points = values;
     figure->point_count = matrix->rows;
     figure->dimension = (unsigned)matrix->columns;
     return BCIFS_OK;
@@ -160,12 +161,17 @@ static bcifs_status points_given(struct binding *binding, const bcifs_figure_opt
 static bcifs_status points_frame(struct binding *binding, size_t dimension)
 {
     bcifs_figure *figure = binding->figure;
-    double *points = arena_new(arena_of(binding), (dimension + 1) * dimension, sizeof *points);
-    if (!points)
+    size_t count = (dimension + 1) * dimension;
+    double *points = arena_new(arena_of(binding), count, sizeof *points);
+    struct value *values = arena_new(arena_of(binding), count, sizeof *values);
+    if (!points || !values)
         return report_memory(binding->report);
     for (size_t i = 0; i < dimension; i++)
         points[(i + 1) * dimension + i] = 1;
+    for (size_t i = 0; i < count; i++)
+        values[i] = value_from_integer((int64_t)points[i]);
     figure->points = points;
+    figure->exact_points = values;
     figure->point_count = dimension + 1;
     figure->dimension = (unsigned)dimension;
     return BCIFS_OK;
@@ -179,6 +185,7 @@ static bcifs_status points_unplaced(struct binding *binding, size_t count)
         return report_memory(binding->report);
     binding->figure->point_count = count;
     binding->figure->dimension = 1;
+    binding->figure->unplaced = true;
     return BCIFS_OK;
 }
 

@@ -29,7 +29,9 @@ struct bcifs_figure {
     enum figure_shape shape;
     bool displaced;     /* it has `displace` lines */
     unsigned dimension; /* of a point */
+    bool unplaced;      /* a bare state without control points of its own: `points` stand for any */
     const double *points; /* point_count × dimension */
+    const struct value *exact_points; /* the same as the file writes them; NULL where they were given in doubles */
     size_t point_count;
     struct piece *pieces;
     size_t piece_count;

@@ -182,7 +182,7 @@ static bool has_converged(const double *m, size_t rows, size_t columns)
     return spread <= TOLERANCE_LIMIT * largest;
 }
 
-static bcifs_status limit_refuse(const struct states *states, size_t index, const char *reason)
+bcifs_status states_limit_refuse(const struct states *states, size_t index, const char *reason)
 {
     if (!states->setting.report)
         return BCIFS_INPUT;
@@ -239,7 +239,7 @@ static bcifs_status cycle_limit(struct states *states, const struct chain_walk *
     if (status || !workspace || !order)
         return status ? status : out_of_memory(states);
     if (!matrix_fixed_point(cycle.product, size, point, workspace, order))
-        return limit_refuse(states, index, "its map fixes more than one point");
+        return states_limit_refuse(states, index, "its map fixes more than one point");
     return BCIFS_OK;
 }
 
@@ -286,7 +286,7 @@ bcifs_status states_limit(struct states *states, size_t index, double *point)
             return BCIFS_OK;
         }
     }
-    return status ? status : limit_refuse(states, walk->visited[0], "its maps do not converge");
+    return status ? status : states_limit_refuse(states, walk->visited[0], "its maps do not converge");
 }
 
 bcifs_status states_boundary_point(struct states *states, size_t index, int boundary, const double *point,

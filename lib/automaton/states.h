@@ -42,6 +42,8 @@ bcifs_status states_expand(struct states *states, size_t index);
 /* The limit point of a state under its first map again and again, in its barycentric coordinates (`point`: as many
  * numbers as the state has points). For the vertex state of a joint it is c^s, [IM] (3). */
 bcifs_status states_limit(struct states *states, size_t index, double *point);
+/* Reports that a state has no single limit point, and why; returns BCIFS_INPUT. */
+bcifs_status states_limit_refuse(const struct states *states, size_t index, const char *reason);
 /* column = Π_β v: a point of boundary `boundary`, carried into the state's own coordinates. */
 bcifs_status states_boundary_point(struct states *states, size_t index, int boundary, const double *point,
                                    double *column);

@@ -46,8 +46,8 @@ struct command {
     int (*run)(const struct arguments *arguments);
 };
 
-extern const struct command command_analyze, command_basis, command_check, command_complete, command_describe,
-    command_eval, command_fmt, command_map;
+extern const struct command command_analyze, command_area, command_basis, command_check, command_complete,
+    command_describe, command_eval, command_fmt, command_map;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);

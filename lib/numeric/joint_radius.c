@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "numeric/components.h"
 #include "numeric/enclosure.h"
 #include "numeric/joint_block.h"
 #include "numeric/matrix.h"
@@ -92,52 +93,6 @@ static bcifs_status coordinates_make(struct coordinates *c, const struct joint_f
         return BCIFS_MEMORY;
     memcpy(next, c->first, c->count * sizeof *next);
     arcs_visit(c, next, c->arc);
-    return BCIFS_OK;
-}
-
-/* Strongly connected components, R. Tarjan (1972), with an explicit stack. */
-static bcifs_status components_find(struct coordinates *c, struct arena *arena)
-{
-    size_t *order = arena_new(arena, c->count, sizeof *order); /* 0: not seen */
-    size_t *low = arena_new(arena, c->count, sizeof *low);
-    size_t *stack = arena_new(arena, c->count, sizeof *stack);
-    size_t *calls = arena_new(arena, c->count, sizeof *calls);
-    size_t *next = arena_grow(arena, c->first, c->count, c->count, sizeof *next);
-    if (!order || !low || !stack || !calls || !next)
-        return BCIFS_MEMORY;
-    size_t seen = 0, height = 0, depth;
-    for (size_t root = 0; root < c->count; root++) {
-        if (order[root])
-            continue;
-        calls[0] = root;
-        order[root] = low[root] = ++seen;
-        stack[height++] = root;
-        for (depth = 1; depth > 0;) {
-            size_t v = calls[depth - 1];
-            if (next[v] < c->first[v + 1]) {
-                size_t w = c->arc[next[v]++];
-                if (!order[w]) {
-                    order[w] = low[w] = ++seen;
-                    stack[height++] = w;
-                    calls[depth++] = w;
-                } else if (order[w] <= c->count && order[w] < low[v]) {
-                    low[v] = order[w];
-                }
-                continue;
-            }
-            if (low[v] == order[v]) {
-                for (size_t w = SIZE_MAX; w != v;) {
-                    w = stack[--height];
-                    c->component[w] = c->component_count;
-                    order[w] += c->count; /* done: no longer on the stack */
-                }
-                c->component_count++;
-            }
-            depth--;
-            if (depth > 0 && low[v] < low[calls[depth - 1]])
-                low[calls[depth - 1]] = low[v];
-        }
-    }
     return BCIFS_OK;
 }
 
@@ -686,7 +641,7 @@ static bcifs_status find(const struct joint_family *family, double effort, struc
     if (status == BCIFS_OK)
         status = coordinates_make(&c, &scaled, arena);
     if (status == BCIFS_OK)
-        status = components_find(&c, arena);
+        status = components_find(c.first, c.arc, c.count, arena, c.component, &c.component_count);
     if (status == BCIFS_OK)
         status = components_solve(&c, effort, arena, bounds);
     bounds->lower = ldexp(bounds->lower, shift);

@@ -1,0 +1,111 @@
+/* The report of bcifs_area, as JSON (design, section 5) and as text for a person. */
+#include "multires/area.h"
+#include "output/json_text.h"
+
+/* ---- JSON ---------------------------------------------------------------------------------------------- */
+
+static void json_form(struct text *text, const bcifs_form *form)
+{
+    text_append(text, "{");
+    json_key(text, "state");
+    json_string(text, form->state);
+    text_append(text, ", ");
+    json_flag(text, "exact", form->exact);
+    text_append(text, ", ");
+    json_key(text, "form");
+    json_matrix(text, form->matrix, form->size, form->size);
+    text_append(text, "}");
+}
+
+char *bcifs_area_json(const bcifs_area *area)
+{
+    struct text text = {0};
+    text_append(&text, "{");
+    json_key(&text, "automaton");
+    json_string(&text, bcifs_automaton_name(area->automaton));
+    text_append(&text, ", ");
+    json_key(&text, "figure");
+    json_string(&text, area->figure);
+    text_append(&text, ",\n ");
+    json_key(&text, "area");
+    if (area->placed)
+        json_number(&text, area->value.real);
+    else
+        text_append(&text, "null");
+    text_append(&text, ", ");
+    json_flag(&text, "exact", area->fraction != NULL);
+    text_append(&text, ", ");
+    json_key(&text, "fraction");
+    if (area->fraction)
+        json_string(&text, area->fraction);
+    else
+        text_append(&text, "null");
+    text_append(&text, ",\n ");
+    json_key(&text, "form");
+    json_matrix(&text, area->told[0].matrix, area->told[0].size, area->told[0].size);
+    text_append(&text, ",\n ");
+    json_key(&text, "forms");
+    text_append(&text, "[");
+    for (size_t i = 0; i < area->count; i++) {
+        text_append(&text, i ? ",\n  " : "\n  ");
+        json_form(&text, &area->told[i]);
+    }
+    text_append(&text, "]}\n");
+    return text_take(&text);
+}
+
+/* ---- Text ---------------------------------------------------------------------------------------------- */
+
+enum { MOST_SHOWN = 12 /* control points of a form that is shown */ };
+
+static size_t entry_width(struct value entry)
+{
+    struct text text = {0};
+    value_write(&text, entry);
+    size_t width = text.length;
+    text_free(&text);
+    return width;
+}
+
+static void append_form(struct text *text, const bcifs_form *form, const struct value *entries)
+{
+    size_t n = form->size, widths[MOST_SHOWN] = {0};
+    text_format(text, "form of %s, %zu × %zu", form->state, n, n);
+    if (n > MOST_SHOWN) {
+        text_append(text, ": too large to show; --json has it\n");
+        return;
+    }
+    text_append(text, form->exact ? "\n" : ", rounded\n");
+    for (size_t i = 0; i < n * n; i++) {
+        size_t width = entry_width(entries[i]);
+        widths[i % n] = width > widths[i % n] ? width : widths[i % n];
+    }
+    for (size_t i = 0; i < n; i++) {
+        text_append(text, "  [ ");
+        for (size_t j = 0; j < n; j++) {
+            value_write(text, entries[i * n + j]);
+            text_append_character(text, ' ', widths[j] - entry_width(entries[i * n + j]) + 1);
+        }
+        text_append(text, "]\n");
+    }
+}
+
+char *bcifs_area_text(const bcifs_area *area)
+{
+    struct text text = {0};
+    text_append(&text, bcifs_automaton_name(area->automaton));
+    if (area->figure[0])
+        text_format(&text, ", figure %s", area->figure);
+    text_append(&text, "\n");
+    if (area->placed) {
+        text_append(&text, "area ");
+        if (area->fraction)
+            text_append(&text, area->fraction);
+        else
+            text_append_number(&text, area->value.real);
+        text_append(&text, area->fraction ? " (exact)\n" : "\n");
+    }
+    for (size_t i = 0; i < area->count; i++)
+        append_form(&text, &area->told[i], area->entries[i]);
+    return text_take(&text);
+}
