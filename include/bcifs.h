@@ -422,11 +422,11 @@ BCIFS_PUBLIC size_t bcifs_bank_points(const bcifs_bank *bank);
 BCIFS_PUBLIC size_t bcifs_bank_scale_points(const bcifs_bank *bank);
 /* The figure's own control points, subdivided `refine` times: bcifs_bank_points × dimension numbers. */
 BCIFS_PUBLIC bcifs_status bcifs_bank_figure_points(const bcifs_bank *bank, double *points, bcifs_error *error);
-/* Fine control points to coefficients and back, bcifs_bank_points × dimension numbers each, in distinct arrays. The
- * coefficients are the coarse control points, then the details of each level from the coarsest on ([MR] (12)). */
-BCIFS_PUBLIC bcifs_status bcifs_bank_decompose(const bcifs_bank *bank, const double *points, unsigned dimension,
+/* Fine control points to coefficients and back, bcifs_bank_points × dimension numbers each, in distinct arrays. Calls on
+ * one bank must not run in parallel. The coefficients are the coarse control points, then the details of each level from the coarsest on ([MR] (12)). */
+BCIFS_PUBLIC bcifs_status bcifs_bank_decompose(bcifs_bank *bank, const double *points, unsigned dimension,
                                                double *coefficients, bcifs_error *error);
-BCIFS_PUBLIC bcifs_status bcifs_bank_reconstruct(const bcifs_bank *bank, const double *coefficients,
+BCIFS_PUBLIC bcifs_status bcifs_bank_reconstruct(bcifs_bank *bank, const double *coefficients,
                                                  unsigned dimension, double *points, bcifs_error *error);
 
 /* ---- The area-true editor ------------------------------------------------------------------------------ */

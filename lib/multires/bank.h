@@ -22,8 +22,9 @@ struct bank_step {
     size_t coarse, details, fine; /* points, details, points */
     struct stencil refinement;    /* P */
     struct stencil wavelet;       /* Q^T */
+    bool refined;                 /* decomposed twice, against rounding */
     bool filtered;                /* by: */
-    struct stencil smooth, detail; /* A, B; otherwise by: */
+    struct stencil smooth, detail, synthesis; /* A, B, Q; otherwise by: */
     struct sparse_cholesky coarse_gram, detail_gram; /* P^T P, Q^T Q */
 };
 

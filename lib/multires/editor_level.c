@@ -94,33 +94,3 @@ void editor_level_free(struct editor_level *level)
     arena_free(&level->arena);
     memory_free(level);
 }
-
-bcifs_status ladder_figure_points(const struct ladder *ladder, double *points)
-{
-    const bcifs_figure *figure = ladder->figure;
-    struct arena scratch = {0};
-    size_t d = figure->dimension, count = ladder_points(ladder, ladder->own);
-    double *coarse = arena_new(&scratch, count * d, sizeof *coarse);
-    bcifs_status status = coarse ? BCIFS_OK : BCIFS_MEMORY;
-    for (size_t i = 0; coarse && i < count; i++)
-        memcpy(coarse + i * d, figure->points + ladder->places[i] * d, d * sizeof *coarse);
-    struct ladder work = *ladder; /* its refinement matrices are made in the scratch arena */
-    work.arena = &scratch;
-    for (unsigned rung = ladder->own; rung < ladder->levels && status == BCIFS_OK; rung++) {
-        double *fine = arena_new(&scratch, ladder_points(ladder, rung + 1) * d, sizeof *fine), *next = fine;
-        for (size_t c = 0; fine && c < ladder->chain_count && status == BCIFS_OK; c++) {
-            struct stencil refinement;
-            status = ladder_refinement(&work, c, rung, &refinement);
-            if (status == BCIFS_OK)
-                stencil_apply(&refinement, coarse, d, false, next);
-            coarse += ladder->chains[c].rungs[rung].points * d;
-            next += ladder->chains[c].rungs[rung + 1].points * d;
-        }
-        status = fine ? status : BCIFS_MEMORY;
-        coarse = fine;
-    }
-    if (status == BCIFS_OK)
-        memcpy(points, coarse, ladder_points(ladder, ladder->levels) * d * sizeof *points);
-    arena_free(&scratch);
-    return status;
-}

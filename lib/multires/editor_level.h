@@ -19,8 +19,6 @@ struct editor_level {
 bcifs_status editor_level_create(const bcifs_figure *figure, unsigned refine, unsigned coarsen, bcifs_energy energy,
                                  struct report *report, struct editor_level **level);
 void editor_level_free(struct editor_level *level);
-/* The fine control points of the figure: the bank's count × dimension numbers. */
-bcifs_status ladder_figure_points(const struct ladder *ladder, double *points);
 
 /* ½ X M Y^T, and ½ X H X^T + ½ Y H Y^T, of planar points (a form's rows × 2 numbers). */
 double form_area(const struct sparse *area, const double *points);

@@ -221,6 +221,52 @@ static void filters_spread(const struct stencil *refinement, const struct filter
     stencil_blocks_repeat(stencil, blocks - 1, height);
 }
 
+/* Q row by row: fine point r of block 0 takes from the details whose filters reach it. The filters of one block are
+ * `count` columns; the blocks that reach r are next to each other. */
+static void synthesis_row(const struct filter *wavelets, size_t count, ptrdiff_t height, ptrdiff_t r, double *row,
+                          struct stencil *synthesis)
+{
+    ptrdiff_t low = PTRDIFF_MAX, high = PTRDIFF_MIN; /* blocks i: r = first + height·i + j, 0 <= j < length */
+    for (size_t k = 0; k < count; k++) {
+        ptrdiff_t last = r - wavelets[k].first, first = last - (ptrdiff_t)wavelets[k].length + 1;
+        ptrdiff_t from = first >= 0 ? (first + height - 1) / height : -(-first / height),
+                  to = last >= 0 ? last / height : -((-last + height - 1) / height);
+        low = from < low ? from : low;
+        high = to > high ? to : high;
+    }
+    size_t length = low <= high ? (size_t)(high - low + 1) * count : 0;
+    for (size_t c = 0; c < length; c++) {
+        ptrdiff_t place = r - (low + (ptrdiff_t)(c / count)) * height - wavelets[c % count].first;
+        bool inside = place >= 0 && place < (ptrdiff_t)wavelets[c % count].length;
+        row[c] = inside ? wavelets[c % count].weights[place] : 0;
+    }
+    stencil_row_add(synthesis, low * (ptrdiff_t)count, row, length);
+}
+
+static bcifs_status synthesis_spread(const struct stencil *refinement, const struct filter *wavelets, size_t count,
+                                     struct arena *arena, struct stencil *synthesis)
+{
+    size_t height = refinement->runs[0].height, blocks = refinement->runs[0].blocks, room = 2 * count;
+    ptrdiff_t low = 0, high = 0;
+    for (size_t k = 0; k < count; k++) {
+        low = wavelets[k].first < low ? wavelets[k].first : low;
+        high = wavelets[k].first + (ptrdiff_t)wavelets[k].length > high
+                   ? wavelets[k].first + (ptrdiff_t)wavelets[k].length
+                   : high;
+    }
+    room += ((size_t)(high - low) / height + 2) * count;
+    double *row = arena_new(arena, room, sizeof *row);
+    if (!row)
+        return BCIFS_MEMORY;
+    stencil_begin(synthesis, blocks * count, arena);
+    stencil_block_begin(synthesis, 0);
+    for (size_t r = 0; r < height; r++)
+        synthesis_row(wavelets, count, (ptrdiff_t)height, (ptrdiff_t)r, row, synthesis);
+    stencil_block_end(synthesis);
+    stencil_blocks_repeat(synthesis, blocks - 1, count);
+    return synthesis->failed ? BCIFS_MEMORY : BCIFS_OK;
+}
+
 static bcifs_status filters_build(const struct block_pattern *pattern, const struct filter *smooth,
                                   const struct filter *wavelets, struct arena *arena, struct filters *filters)
 {
@@ -229,7 +275,8 @@ static bcifs_status filters_build(const struct block_pattern *pattern, const str
     filters_spread(refinement, pattern->details, pattern->detail_count, 0, arena, &filters->detail);
     filters_spread(refinement, wavelets, pattern->detail_count, 0, arena, &filters->wavelet);
     bool failed = filters->smooth.failed || filters->detail.failed || filters->wavelet.failed;
-    return failed ? BCIFS_MEMORY : BCIFS_OK;
+    return failed ? BCIFS_MEMORY
+                  : synthesis_spread(refinement, wavelets, pattern->detail_count, arena, &filters->synthesis);
 }
 
 /* Details as long as the coefficients they go with: B is scaled to the norm of A. */

@@ -17,7 +17,8 @@
 struct filters {
     struct stencil smooth;  /* A: coarse points × fine points */
     struct stencil detail;  /* B: details × fine points */
-    struct stencil wavelet; /* Q^T: details × fine points */
+    struct stencil wavelet;   /* Q^T: details × fine points */
+    struct stencil synthesis; /* Q: fine points × details */
 };
 
 /* Derives filters for P. `found` is false when P does not repeat a block of step 1, or has no short filters. The only
