@@ -212,15 +212,30 @@ static void solve_upper(const struct sparse_cholesky *factor, double *x, size_t 
     }
 }
 
-void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
 {
     size_t size = factor->size * components;
-    const size_t *order = factor->order;
-    double *ordered = order ? workspace : x;
-    for (size_t i = 0; order && i < size; i++)
-        workspace[i] = x[order[i / components] * components + i % components];
-    solve_lower(factor, ordered, components);
-    solve_upper(factor, ordered, components);
-    for (size_t i = 0; order && i < size; i++)
-        x[order[i / components] * components + i % components] = workspace[i];
+    for (size_t i = 0; factor->order && i < factor->size; i++)
+        for (size_t c = 0; c < components; c++)
+            workspace[i * components + c] = x[factor->order[i] * components + c];
+    if (factor->order && size > 0)
+        memcpy(x, workspace, size * sizeof *x);
+    solve_lower(factor, x, components);
+}
+
+void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+{
+    size_t size = factor->size * components;
+    solve_upper(factor, x, components);
+    if (factor->order && size > 0)
+        memcpy(workspace, x, size * sizeof *x);
+    for (size_t i = 0; factor->order && i < factor->size; i++)
+        for (size_t c = 0; c < components; c++)
+            x[factor->order[i] * components + c] = workspace[i * components + c];
+}
+
+void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+{
+    sparse_cholesky_lower(factor, x, components, workspace);
+    sparse_cholesky_upper(factor, x, components, workspace);
 }

@@ -25,6 +25,9 @@ enum sparse_outcome sparse_cholesky_factor(const struct sparse *a, const size_t 
                                            struct sparse_cholesky *factor);
 /* x <- A^-1 x; x is size × components. `workspace` holds size × components numbers. */
 void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace);
+/* The halves of that, with A = P^T L·L^T P: x <- L^-1 P x and x <- P^T L^-T x. */
+void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace);
+void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace);
 /* An order with little fill-in, size indices to `order`: that of the matrix, its reverse (which eliminates fine details
  * before coarse ones), reverse Cuthill-McKee, or minimum degree, whichever makes the fewest entries of L. What does
  * not promise to beat the best is given up early, so that the cost stays near that of the best factorization. False when memory is out. */

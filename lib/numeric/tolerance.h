@@ -52,4 +52,24 @@
  * masks of 20 coefficients lose five digits to k-th differences. */
 #define TOLERANCE_REPRODUCTION 1e-9
 
+/* A Newton step that is this short against the distance to where the equation becomes singular leaves a remainder of
+ * its square, which is rounding. */
+#define TOLERANCE_LAST_STEP 1e-8
+
+/* Constraints are met to this share of the numbers they are about. */
+#define TOLERANCE_CONSTRAINT 1e-14
+
+/* An energy that does not see some deformation leaves it undetermined: at least this share of its own diagonal entry
+ * draws each coefficient to where it was. 1e-4 of the digits are then still good in such directions, and all in others. */
+#define TOLERANCE_UNSEEN 1e-12
+
+/* Coefficients of an area that are products of filters and should cancel leave this share of what cancelled. */
+#define TOLERANCE_CANCELLED 1e-14
+
+/* A vector whose part outside a Krylov space is a smaller share is rounding: the space is complete. */
+#define TOLERANCE_KRYLOV 1e-14
+
+/* Solutions in a Krylov space are accepted when the equation's residual is this share of its right side. */
+#define TOLERANCE_RESIDUAL 1e-12
+
 #endif
