@@ -244,6 +244,32 @@ BCIFS_PUBLIC const char *bcifs_complete_contradiction(const bcifs_complete *comp
 BCIFS_PUBLIC char *bcifs_complete_json(const bcifs_complete *complete);
 BCIFS_PUBLIC char *bcifs_complete_text(const bcifs_complete *complete);
 
+/* ---- Drawn curves -------------------------------------------------------------------------------------- */
+
+/* A curve of straight and cubic pieces, read from a drawing or a list of points. */
+typedef struct bcifs_curve bcifs_curve;
+
+/* Reads the file `path` ("-": standard input): the first drawn <path> of an SVG file (one outline of the commands
+ * M L H V C S Z, with the transforms around it, y negated so that it points up), or CSV as bcifs_points_read reads it, a
+ * polyline that is closed when its last point is its first. The ending .svg or .csv tells which, otherwise the text.
+ * `options` is used for its reporter only. */
+BCIFS_PUBLIC bcifs_status bcifs_curve_read(const char *path, const bcifs_load_options *options, bcifs_curve **curve,
+                                           bcifs_error *error);
+BCIFS_PUBLIC void bcifs_curve_free(bcifs_curve *curve);
+BCIFS_PUBLIC int bcifs_curve_is_closed(const bcifs_curve *curve);
+/* Whether it has cubic pieces, so that its points are a Bézier control polygon. */
+BCIFS_PUBLIC int bcifs_curve_is_cubic(const bcifs_curve *curve);
+/* Number of coordinates of a point: 2 from SVG, 1 to 16 from CSV. */
+BCIFS_PUBLIC unsigned bcifs_curve_dimension(const bcifs_curve *curve);
+/* Its control points, count × dimension numbers, valid as long as the curve: the ends of its lines or, when it is
+ * cubic, the Bézier points of its pieces, 3K + 1 for K of them (3K when closed), lines being raised to cubics. The
+ * first point is not repeated on a closed curve. */
+BCIFS_PUBLIC const double *bcifs_curve_points(const bcifs_curve *curve, size_t *count);
+/* Writes `count` points, at least 2, at equal distances along the curve: from its first to its last point or, on a
+ * closed one, without coming back to the first. BCIFS_INPUT when it has no length. */
+BCIFS_PUBLIC bcifs_status bcifs_curve_sample(const bcifs_curve *curve, size_t count, double *points,
+                                             bcifs_error *error);
+
 /* ---- Figures and their evaluation ---------------------------------------------------------------------- */
 
 typedef struct bcifs_figure bcifs_figure;
@@ -256,6 +282,10 @@ typedef struct bcifs_figure_options {
     size_t point_count;
     unsigned dimension;
     int unplaced; /* with `state`: no points are needed, as only the basis or the refinement is wanted */
+    /* Not NULL: its points instead of those. A closed figure takes no last point that repeats the first; an open one
+     * on a closed curve gets the first once more at its end. */
+    const bcifs_curve *curve;
+    size_t pieces; /* not 0: a curve of so many pieces, all its points 0 */
 } bcifs_figure_options;
 
 /* Binds a figure to its control points; `options` may be NULL. Refuses one whose automaton has entries `?`. */

@@ -92,6 +92,33 @@ int equations_check(const struct arguments *arguments, const bcifs_automaton *au
     return exit_of(status);
 }
 
+int figure_create(const struct arguments *arguments, const bcifs_automaton *automaton, bcifs_figure **figure)
+{
+    bcifs_figure_options options = {.figure = arguments->figure, .state = arguments->state};
+    bcifs_load_options reading = load_options(arguments);
+    bcifs_error error;
+    double *points = NULL;
+    bcifs_curve *curve = NULL;
+    bcifs_status status = BCIFS_OK;
+    if (arguments->figure && arguments->state)
+        return complain("--figure and --state exclude each other");
+    if (arguments->points && arguments->curve)
+        return complain("--points and --curve exclude each other");
+    if (arguments->points)
+        status = bcifs_points_read(arguments->points, &reading, &points, &options.point_count, &options.dimension,
+                                   &error);
+    else if (arguments->curve)
+        status = bcifs_curve_read(arguments->curve, &reading, &curve, &error);
+    if (status)
+        return exit_of(status);
+    options.points = points;
+    options.curve = curve;
+    status = bcifs_figure_create(automaton, &options, figure, &error);
+    bcifs_points_free(points);
+    bcifs_curve_free(curve);
+    return status ? fail(status, &error) : EXIT_YES;
+}
+
 int text_output(const struct arguments *arguments, char *text)
 {
     bcifs_error error;
@@ -207,6 +234,7 @@ static const char **string_slot(struct arguments *arguments, const char *name)
         const char **slot;
     } slots[] = {
         {"--figure", &arguments->figure}, {"--state", &arguments->state},   {"--points", &arguments->points},
+        {"--curve", &arguments->curve}, {"--to", &arguments->to}, {"--pieces", &arguments->pieces},
         {"-o", &arguments->output},       {"--format", &arguments->format}, {"--depth", &arguments->depth},
         {"--show", &arguments->show},     {"--range", &arguments->range},   {"--levels", &arguments->levels},
         {"--as", &arguments->as}, {"--width", &arguments->width},     {"--effort", &arguments->effort}, {"--threads", &arguments->threads}, {"--level", &arguments->level},

@@ -27,7 +27,7 @@ struct arguments {
     size_t setting_count;
     const char *axes[MOST_AXES]; /* --over */
     size_t axis_count;
-    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width, *effort, *threads, *level, *as;
+    const char *figure, *state, *points, *curve, *to, *pieces, *output, *format, *depth, *show, *range, *levels, *width, *effort, *threads, *level, *as;
     const char *positions[MOST_POSITIONS]; /* --at and --address, in their order */
     bool is_address[MOST_POSITIONS];
     size_t position_count;
@@ -68,6 +68,8 @@ int automaton_load(const struct arguments *arguments, bcifs_automaton **automato
 /* Points shared by neighbors are written once, so what is drawn must be proved to meet: EXIT_NO, having said which
  * equation fails first. */
 int equations_check(const struct arguments *arguments, const bcifs_automaton *automaton);
+/* The figure that --figure, --state, --points and --curve ask for. */
+int figure_create(const struct arguments *arguments, const bcifs_automaton *automaton, bcifs_figure **figure);
 /* Options for library calls that report: `context` must be `arguments`. */
 bcifs_load_options load_options(const struct arguments *arguments);
 

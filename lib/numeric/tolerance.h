@@ -52,4 +52,12 @@
  * masks of 20 coefficients lose five digits to k-th differences. */
 #define TOLERANCE_REPRODUCTION 1e-9
 
+/* The last point of a closed path whose coordinates are sums of as many steps as it has commands falls together with
+ * the first when they differ by less than this share of the coordinates. */
+#define TOLERANCE_MEETING 1e-12
+
+/* A point of a curve is where its arc length says when it misses by less than this share of its piece's length: the
+ * rule that measures is good to about that. */
+#define TOLERANCE_LENGTH 1e-13
+
 #endif
