@@ -19,12 +19,15 @@ struct sparse_cholesky {
 enum sparse_outcome { SPARSE_DONE, SPARSE_INDEFINITE, SPARSE_MEMORY };
 
 /* Factors A (size × size, symmetric; both halves are held). `order` (may be NULL) is a permutation and must outlive the
- * factor. SPARSE_INDEFINITE: a pivot is not above TOLERANCE_SINGULAR times the largest diagonal entry. */
+ * factor. SPARSE_INDEFINITE: a pivot is not above TOLERANCE_SINGULAR times the diagonal entry it comes from, so that the
+ * units of single rows do not matter. */
 enum sparse_outcome sparse_cholesky_factor(const struct sparse *a, const size_t *order, struct arena *arena,
                                            struct sparse_cholesky *factor);
 /* x <- A^-1 x; x is size × components. `workspace` holds size × components numbers. */
 void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace);
-/* An order with little fill-in for general patterns (nested or minimum degree): size indices to `order`. */
-bool sparse_order(const struct sparse *a, struct arena *arena, size_t *order);
+/* An order with little fill-in, size indices to `order`: that of the matrix, its reverse (which eliminates fine details
+ * before coarse ones), reverse Cuthill-McKee, or minimum degree, whichever makes the fewest entries of L. What does
+ * not promise to beat the best is given up early, so that the cost stays near that of the best factorization. False when memory is out. */
+bool sparse_order(const struct sparse *a, size_t *order);
 
 #endif
