@@ -302,6 +302,37 @@ BCIFS_PUBLIC int bcifs_figure_is_attractor(const bcifs_figure *figure);
 /* The greatest depth at which `show` limit has at most `points` points, at most 64. */
 BCIFS_PUBLIC unsigned bcifs_figure_depth(const bcifs_figure *figure, uint64_t points);
 
+/* The control points of a curve figure that come nearest to a drawn curve. */
+typedef struct bcifs_fit bcifs_fit;
+
+typedef struct bcifs_fit_options {
+    const char *figure; /* its name; NULL: the file's first. Its own control points do not matter */
+    const char *state;  /* not NULL: one piece in this state instead of a figure of the file */
+    size_t pieces;      /* as many pieces; 0: as many as the figure has */
+    unsigned depth;     /* at which distances are measured; 0: chosen, 1024 limit points or more */
+} bcifs_fit_options;
+
+/* Finds the control points whose limit curve is nearest to `target`, of 1 to 3 coordinates, in least squares. A closed
+ * figure closes the target by a straight line if it is open; an open one runs once around a closed target. The search
+ * begins from parameters by arc length, and may end in a local minimum. With one coordinate the target is a function of
+ * its parameter. `options` may be NULL. BCIFS_INPUT when the figure is not one curve, when its intervals do not fit
+ * the number of pieces, or when the target has no length. The automaton must outlive the fit. */
+BCIFS_PUBLIC bcifs_status bcifs_fit_create(const bcifs_automaton *automaton, const bcifs_curve *target,
+                                           const bcifs_fit_options *options, bcifs_fit **fit, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_fit_free(bcifs_fit *fit);
+/* Its control points, count × dimension numbers, valid as long as the fit: for bcifs_figure_options. */
+BCIFS_PUBLIC const double *bcifs_fit_points(const bcifs_fit *fit, size_t *count);
+BCIFS_PUBLIC unsigned bcifs_fit_dimension(const bcifs_fit *fit);
+BCIFS_PUBLIC size_t bcifs_fit_pieces(const bcifs_fit *fit);
+/* Root mean square (by arc length) and maximum of the distances of the target's points from the curve, in its units. */
+BCIFS_PUBLIC double bcifs_fit_rms(const bcifs_fit *fit);
+BCIFS_PUBLIC double bcifs_fit_maximum(const bcifs_fit *fit);
+/* Steps that were made, at most 100. */
+BCIFS_PUBLIC unsigned bcifs_fit_iterations(const bcifs_fit *fit);
+/* The control points as CSV; all of the above as one JSON object. Free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_fit_csv(const bcifs_fit *fit);
+BCIFS_PUBLIC char *bcifs_fit_json(const bcifs_fit *fit);
+
 /* Reads control points from a CSV file, one point a row: count × dimension numbers, to be freed with
  * bcifs_points_free. A first row without any number is a header. `options` is used for its reporter only. */
 BCIFS_PUBLIC bcifs_status bcifs_points_read(const char *path, const bcifs_load_options *options, double **points,
@@ -374,7 +405,8 @@ typedef enum bcifs_role {
     BCIFS_CURVE,   /* drawn as a line, or as a density picture when its points are loose */
     BCIFS_POLYGON, /* drawn as a control polygon with its points marked */
     BCIFS_LEVEL,   /* a coarser level laid over the curve */
-    BCIFS_TANGENT  /* half-tangents */
+    BCIFS_TANGENT, /* half-tangents */
+    BCIFS_TARGET   /* what a curve was fitted to */
 } bcifs_role;
 
 typedef struct bcifs_layer {
@@ -382,6 +414,7 @@ typedef struct bcifs_layer {
     bcifs_role role;
     const double *segments; /* segment_count pairs of points of the figure's dimension */
     size_t segment_count;
+    const bcifs_curve *curve; /* or, when not NULL, a drawn curve of the figure's dimension */
 } bcifs_layer;
 
 /* Called now and then during long work with the share that is done, 0..1. */

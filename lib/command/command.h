@@ -47,7 +47,7 @@ struct command {
 };
 
 extern const struct command command_analyze, command_basis, command_check, command_complete, command_describe,
-    command_eval, command_fmt, command_map;
+    command_eval, command_fit, command_fmt, command_map;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);

@@ -7,7 +7,7 @@
 
 static const struct command *const commands[] = {&command_analyze,  &command_basis,    &command_check,
                                                  &command_complete, &command_describe, &command_eval,
-                                                 &command_fmt,      &command_map};
+                                                 &command_fit,      &command_fmt,      &command_map};
 
 const struct command *command_at(size_t index)
 {

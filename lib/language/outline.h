@@ -11,7 +11,7 @@
 
 #include "language/report.h"
 
-enum { OUTLINE_MOST_POINTS = 1 << 24, OUTLINE_MOST_DIMENSION = 16 };
+enum { OUTLINE_MOST_POINTS = 1 << 24 };
 
 struct bcifs_curve {
     unsigned dimension;

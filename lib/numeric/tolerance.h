@@ -60,4 +60,13 @@
  * rule that measures is good to about that. */
 #define TOLERANCE_LENGTH 1e-13
 
+/* What smooths a least-squares problem: its share of the mean diagonal entry of the normal equations. Well above
+ * TOLERANCE_SINGULAR times the size of a long gap, and low enough that a few refinements take it out again. */
+#define TOLERANCE_SMOOTHING 1e-9
+
+/* A fit ends when steps lower its error by less than this share of it, */
+#define TOLERANCE_FALL 1e-5
+/* or when the error is rounding: the coordinates are of size 1 and go through some hundred operations. */
+#define TOLERANCE_FITTED 1e-14
+
 #endif
