@@ -1,6 +1,9 @@
 #include "feet.h"
 
 #include <math.h>
+#include <string.h>
+
+#include "numeric/tolerance.h"
 
 /* ---- One point ----------------------------------------------------------------------------------------- */
 
@@ -23,6 +26,16 @@ double foot_distance(const struct feet *feet, size_t j, double position)
     for (unsigned k = 0; k < dimension; k++)
         point[k] = a[k] + share * (b[k] - a[k]);
     return sqrt(distance_squared(point, feet->target->points + j * dimension, dimension));
+}
+
+double feet_distance(const struct feet *feet, const double *positions)
+{
+    double sum = 0;
+    for (size_t j = 0; j < feet->target->count; j++) {
+        double distance = foot_distance(feet, j, positions[j]);
+        sum += feet->target->weights[j] * distance * distance;
+    }
+    return sqrt(sum);
 }
 
 void foot_direction(const struct feet *feet, double position, double *direction)
@@ -50,13 +63,14 @@ static double segment_foot(const double *a, const double *b, const double *point
     return distance_squared(foot, point, dimension);
 }
 
-/* Among the segments around `position`, which may be any number on a closed curve. */
-static double nearest(const struct feet *feet, size_t j, double position)
+/* Among `window` segments on either side of `position`, which may be any number on a closed curve. A point
+ * that is on the curve already stays where it is: another place there is no nearer than by rounding. */
+static double nearest(const struct feet *feet, size_t j, double position, size_t window)
 {
     unsigned dimension = feet->target->dimension;
     const struct blending *blending = feet->blending;
     double whole = (double)blending->segments, middle = floor(position);
-    double first = middle - (double)feet->window, last = middle + (double)feet->window;
+    double first = middle - (double)window, last = middle + (double)window;
     if (blending->closed && last - first >= whole) {
         first = middle - floor(whole / 2);
         last = first + whole - 1;
@@ -65,6 +79,8 @@ static double nearest(const struct feet *feet, size_t j, double position)
         last = fmin(last, whole - 1);
     }
     double best = position, least = foot_distance(feet, j, position), s;
+    if (least <= TOLERANCE_FITTED)
+        return position;
     least *= least;
     for (double segment = first; segment <= last; segment++) {
         double wrapped = segment - whole * floor(segment / whole);
@@ -100,12 +116,12 @@ static void make_rise(const struct feet *feet, double *positions)
             positions[next++] = feet->means[pool];
 }
 
-void feet_find(const struct feet *feet, double *positions)
+static void feet_move(const struct feet *feet, size_t window, double *positions)
 {
     size_t count = feet->target->count, last = count - 1;
     double whole = (double)feet->blending->segments;
     for (size_t j = 0; j < count; j++)
-        positions[j] = nearest(feet, j, positions[j]);
+        positions[j] = nearest(feet, j, positions[j], window);
     if (!feet->blending->closed) {
         positions[0] = 0;
         positions[last] = whole;
@@ -113,4 +129,17 @@ void feet_find(const struct feet *feet, double *positions)
     make_rise(feet, positions);
     for (size_t j = last; feet->blending->closed && j > 0 && positions[j] > positions[0] + whole; j--)
         positions[j] = positions[0] + whole;
+}
+
+void feet_find(const struct feet *feet, double *positions)
+{
+    size_t size = feet->target->count * sizeof *positions;
+    double distance = feet_distance(feet, positions);
+    memcpy(feet->before, positions, size);
+    for (size_t window = feet->window; window > 0; window /= 8) {
+        feet_move(feet, window, positions);
+        if (feet_distance(feet, positions) <= distance)
+            return;
+        memcpy(positions, feet->before, size);
+    }
 }

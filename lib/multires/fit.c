@@ -13,7 +13,10 @@ enum {
     ROWS_PER_FUNCTION = 32, /* and so many for each control point */
     LEAST_POINTS = 1024,    /* the same of points of the target */
     POINTS_PER_FUNCTION = 16,
+    DENSE = 8, /* with so many for each control point listed they are what is meant, not the lines between */
+    POINTS_WHEN_DENSE = 2, /* them, except for long ones */
     MOST_WANTED = 1 << 20,
+    WINDOW = 128, /* segments that a parameter may move by in one step */
     MOST_ITERATIONS = 100,
     MOST_CALM = 3, /* steps of small effect before the end */
     SHIFTS = 8,    /* places of the start within a piece, */
@@ -99,19 +102,18 @@ static bcifs_status workspace_make(struct fitting *fitting)
     struct arena *arena = &fitting->arena;
     const struct blending *blending = &fitting->blending;
     size_t count = fitting->target.count, dimension = fitting->target.dimension;
-    size_t window = blending->segments / fitting->figure->piece_count;
     fitting->polyline = arena_new(arena, blending->rows * dimension, sizeof *fitting->polyline);
     fitting->directions = arena_new(arena, count * dimension, sizeof *fitting->directions);
     fitting->feet = (struct feet){.blending = blending,
                                   .target = &fitting->target,
                                   .polyline = fitting->polyline,
-                                  .window = window < 8     ? 8
-                                            : window > 512 ? 512
-                                                           : window,
+                                  .window = WINDOW,
                                   .means = arena_new(arena, count, sizeof *fitting->feet.means),
+                                  .before = arena_new(arena, count, sizeof *fitting->feet.before),
                                   .counts = arena_new(arena, count, sizeof *fitting->feet.counts)};
-    bool good = fitting->polyline && fitting->directions && fitting->feet.means && fitting->feet.counts &&
-                state_new(fitting, &fitting->best) && state_new(fitting, &fitting->trial);
+    bool good = fitting->polyline && fitting->directions && fitting->feet.means && fitting->feet.before &&
+                fitting->feet.counts && state_new(fitting, &fitting->best) &&
+                state_new(fitting, &fitting->trial);
     return good ? BCIFS_OK : report_memory(fitting->report);
 }
 
@@ -124,6 +126,8 @@ static bcifs_status prepare(struct fitting *fitting, const bcifs_automaton *auto
     size_t functions = fitting->figure->point_count;
     bool closed = fitting->figure->chains[0].closed;
     size_t wanted = wanted_points(LEAST_POINTS, POINTS_PER_FUNCTION, functions);
+    if (!bcifs_curve_is_cubic(curve) && curve->count / DENSE >= functions)
+        wanted = wanted_points(0, POINTS_WHEN_DENSE, functions);
     status = target_create(&fitting->target, curve, closed, wanted, &fitting->arena, fitting->report);
     if (status)
         return status;
@@ -136,17 +140,13 @@ static bcifs_status prepare(struct fitting *fitting, const bcifs_automaton *auto
 
 /* ---- Measuring ----------------------------------------------------------------------------------------- */
 
-/* The polyline of the state's control points, and the distances at its positions. */
-static void measure(struct fitting *fitting, struct state_of_fit *state)
+/* Distances at the state's positions from the polyline that was drawn last. */
+static void measure(const struct fitting *fitting, struct state_of_fit *state)
 {
-    double sum = 0;
+    state->rms = feet_distance(&fitting->feet, state->positions);
     state->maximum = 0;
-    for (size_t j = 0; j < fitting->target.count; j++) {
-        double distance = foot_distance(&fitting->feet, j, state->positions[j]);
-        sum += fitting->target.weights[j] * distance * distance;
-        state->maximum = fmax(state->maximum, distance);
-    }
-    state->rms = sqrt(sum);
+    for (size_t j = 0; j < fitting->target.count; j++)
+        state->maximum = fmax(state->maximum, foot_distance(&fitting->feet, j, state->positions[j]));
 }
 
 static void draw(struct fitting *fitting, const struct state_of_fit *state)
@@ -230,14 +230,26 @@ static bcifs_status start(struct fitting *fitting)
 
 /* ---- The alternation ----------------------------------------------------------------------------------- */
 
+/* The directions in which points may slide: along the curve, but not at the ends of an open one. */
+static void directions_find(struct fitting *fitting, const struct state_of_fit *state)
+{
+    unsigned dimension = fitting->target.dimension;
+    double whole = (double)fitting->blending.segments;
+    for (size_t j = 0; j < fitting->target.count; j++) {
+        double *direction = fitting->directions + j * dimension, position = state->positions[j];
+        if (!fitting->blending.closed && (position <= 0 || position >= whole))
+            memset(direction, 0, dimension * sizeof *direction);
+        else
+            foot_direction(&fitting->feet, position, direction);
+    }
+}
+
 /* One step from the best state: control points at its positions, then new positions. */
 static bcifs_status step_try(struct fitting *fitting, double slack)
 {
     struct state_of_fit *trial = &fitting->trial;
-    unsigned dimension = fitting->target.dimension;
     draw(fitting, &fitting->best);
-    for (size_t j = 0; j < fitting->target.count; j++)
-        foot_direction(&fitting->feet, fitting->best.positions[j], fitting->directions + j * dimension);
+    directions_find(fitting, &fitting->best);
     state_copy(fitting, &fitting->best, trial);
     const struct least_squares problem = {&fitting->blending, &fitting->target, fitting->best.positions,
                                           slack < 1 ? fitting->directions : NULL, slack};
