@@ -244,6 +244,32 @@ BCIFS_PUBLIC const char *bcifs_complete_contradiction(const bcifs_complete *comp
 BCIFS_PUBLIC char *bcifs_complete_json(const bcifs_complete *complete);
 BCIFS_PUBLIC char *bcifs_complete_text(const bcifs_complete *complete);
 
+/* ---- Drawn curves -------------------------------------------------------------------------------------- */
+
+/* A curve of straight and cubic pieces, read from a drawing or a list of points. */
+typedef struct bcifs_curve bcifs_curve;
+
+/* Reads the file `path` ("-": standard input): the first drawn <path> of an SVG file (one outline of the commands
+ * M L H V C S Z, with the transforms around it, y negated so that it points up), or CSV as bcifs_points_read reads it, a
+ * polyline that is closed when its last point is its first. The ending .svg or .csv tells which, otherwise the text.
+ * `options` is used for its reporter only. */
+BCIFS_PUBLIC bcifs_status bcifs_curve_read(const char *path, const bcifs_load_options *options, bcifs_curve **curve,
+                                           bcifs_error *error);
+BCIFS_PUBLIC void bcifs_curve_free(bcifs_curve *curve);
+BCIFS_PUBLIC int bcifs_curve_is_closed(const bcifs_curve *curve);
+/* Whether it has cubic pieces, so that its points are a Bézier control polygon. */
+BCIFS_PUBLIC int bcifs_curve_is_cubic(const bcifs_curve *curve);
+/* Number of coordinates of a point: 2 from SVG, 1 to 16 from CSV. */
+BCIFS_PUBLIC unsigned bcifs_curve_dimension(const bcifs_curve *curve);
+/* Its control points, count × dimension numbers, valid as long as the curve: the ends of its lines or, when it is
+ * cubic, the Bézier points of its pieces, 3K + 1 for K of them (3K when closed), lines being raised to cubics. The
+ * first point is not repeated on a closed curve. */
+BCIFS_PUBLIC const double *bcifs_curve_points(const bcifs_curve *curve, size_t *count);
+/* Writes `count` points, at least 2, at equal distances along the curve: from its first to its last point or, on a
+ * closed one, without coming back to the first. BCIFS_INPUT when it has no length. */
+BCIFS_PUBLIC bcifs_status bcifs_curve_sample(const bcifs_curve *curve, size_t count, double *points,
+                                             bcifs_error *error);
+
 /* ---- Figures and their evaluation ---------------------------------------------------------------------- */
 
 typedef struct bcifs_figure bcifs_figure;
@@ -256,6 +282,10 @@ typedef struct bcifs_figure_options {
     size_t point_count;
     unsigned dimension;
     int unplaced; /* with `state`: no points are needed, as only the basis or the refinement is wanted */
+    /* Not NULL: its points instead of those. A closed figure takes no last point that repeats the first; an open one
+     * on a closed curve gets the first once more at its end. */
+    const bcifs_curve *curve;
+    size_t pieces; /* not 0: a curve of so many pieces, all its points 0 */
 } bcifs_figure_options;
 
 /* Binds a figure to its control points; `options` may be NULL. Refuses one whose automaton has entries `?`. */
@@ -271,6 +301,37 @@ BCIFS_PUBLIC unsigned bcifs_figure_dimension(const bcifs_figure *figure);
 BCIFS_PUBLIC int bcifs_figure_is_attractor(const bcifs_figure *figure);
 /* The greatest depth at which `show` limit has at most `points` points, at most 64. */
 BCIFS_PUBLIC unsigned bcifs_figure_depth(const bcifs_figure *figure, uint64_t points);
+
+/* The control points of a curve figure that come nearest to a drawn curve. */
+typedef struct bcifs_fit bcifs_fit;
+
+typedef struct bcifs_fit_options {
+    const char *figure; /* its name; NULL: the file's first. Its own control points do not matter */
+    const char *state;  /* not NULL: one piece in this state instead of a figure of the file */
+    size_t pieces;      /* as many pieces; 0: as many as the figure has */
+    unsigned depth;     /* at which distances are measured; 0: chosen, 1024 limit points or more */
+} bcifs_fit_options;
+
+/* Finds the control points whose limit curve is nearest to `target`, of 1 to 3 coordinates, in least squares. A closed
+ * figure closes the target by a straight line if it is open; an open one runs once around a closed target. The search
+ * begins from parameters by arc length, and may end in a local minimum. With one coordinate the target is a function of
+ * its parameter. `options` may be NULL. BCIFS_INPUT when the figure is not one curve, when its intervals do not fit
+ * the number of pieces, or when the target has no length. The automaton must outlive the fit. */
+BCIFS_PUBLIC bcifs_status bcifs_fit_create(const bcifs_automaton *automaton, const bcifs_curve *target,
+                                           const bcifs_fit_options *options, bcifs_fit **fit, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_fit_free(bcifs_fit *fit);
+/* Its control points, count × dimension numbers, valid as long as the fit: for bcifs_figure_options. */
+BCIFS_PUBLIC const double *bcifs_fit_points(const bcifs_fit *fit, size_t *count);
+BCIFS_PUBLIC unsigned bcifs_fit_dimension(const bcifs_fit *fit);
+BCIFS_PUBLIC size_t bcifs_fit_pieces(const bcifs_fit *fit);
+/* Root mean square (by arc length) and maximum of the distances of the target's points from the curve, in its units. */
+BCIFS_PUBLIC double bcifs_fit_rms(const bcifs_fit *fit);
+BCIFS_PUBLIC double bcifs_fit_maximum(const bcifs_fit *fit);
+/* Steps that were made, at most 100. */
+BCIFS_PUBLIC unsigned bcifs_fit_iterations(const bcifs_fit *fit);
+/* The control points as CSV; all of the above as one JSON object. Free with bcifs_text_free. NULL: no memory. */
+BCIFS_PUBLIC char *bcifs_fit_csv(const bcifs_fit *fit);
+BCIFS_PUBLIC char *bcifs_fit_json(const bcifs_fit *fit);
 
 /* Reads control points from a CSV file, one point a row: count × dimension numbers, to be freed with
  * bcifs_points_free. A first row without any number is a header. `options` is used for its reporter only. */
@@ -344,14 +405,25 @@ typedef enum bcifs_role {
     BCIFS_CURVE,   /* drawn as a line, or as a density picture when its points are loose */
     BCIFS_POLYGON, /* drawn as a control polygon with its points marked */
     BCIFS_LEVEL,   /* a coarser level laid over the curve */
-    BCIFS_TANGENT  /* half-tangents */
+    BCIFS_TANGENT, /* half-tangents */
+    BCIFS_TARGET   /* what a curve was fitted to */
 } bcifs_role;
+
+/* The color of a layer. */
+typedef enum bcifs_ink {
+    BCIFS_INK_OF_ROLE, /* what its role is usually drawn in */
+    BCIFS_BLUE,        /* the colors of [MR]: the curve before an edit, */
+    BCIFS_GREEN,       /* as it was deformed, */
+    BCIFS_RED          /* with its area restored */
+} bcifs_ink;
 
 typedef struct bcifs_layer {
     const bcifs_plan *plan; /* or NULL: */
     bcifs_role role;
     const double *segments; /* segment_count pairs of points of the figure's dimension */
     size_t segment_count;
+    const bcifs_curve *curve; /* or, when not NULL, a drawn curve of the figure's dimension */
+    bcifs_ink ink;
 } bcifs_layer;
 
 /* Called now and then during long work with the share that is done, 0..1. */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "language/outline.h"
 #include "numeric/tolerance.h"
 
 enum { MOST_POINTS = 1 << 24, MOST_DIMENSION = 16, MOST_REACHED = 1 << 12 /* states expanded */ };
@@ -155,6 +156,24 @@ static bcifs_status points_given(struct binding *binding, const bcifs_figure_opt
     figure->point_count = options->point_count;
     figure->dimension = options->dimension;
     return BCIFS_OK;
+}
+
+/* The points of a drawn curve. A closed figure comes back to its first point by itself, an open one must be told to. */
+static bcifs_status points_drawn(struct binding *binding, const bcifs_curve *curve, bool closed, bool open)
+{
+    size_t dimension = curve->dimension, count = curve->count, size = dimension * sizeof *curve->points;
+    if (closed && !curve->closed && memcmp(curve->points, curve->points + (count - 1) * dimension, size) == 0)
+        count--;
+    size_t more = open && curve->closed;
+    double *points = arena_grow(arena_of(binding), curve->points, count * dimension, (count + more) * dimension,
+                                sizeof *points);
+    if (!points)
+        return report_memory(binding->report);
+    if (more)
+        memcpy(points + count * dimension, points, size);
+    bcifs_figure_options options = {
+        .points = points, .point_count = count + more, .dimension = curve->dimension};
+    return points_given(binding, &options);
 }
 
 /* The frame O, X, Y, … that an affine state is written on, design section 4. */
@@ -616,9 +635,29 @@ static size_t affine_dimension(const struct syntax_figure *syntax)
     return dimension;
 }
 
+/* As many points as `pieces` pieces have: KΔ of a closed curve, KΔ + m_s of an open one. */
+static bcifs_status pieces_unplaced(struct binding *binding, size_t pieces)
+{
+    size_t step = binding->steps[0], joint = binding->widths[0] - step;
+    if (binding->direction_count != 1)
+        return report_error(binding->report, binding->source, binding->definition->syntax->place,
+                            "figure '%s' has its own pieces; their number is chosen for an open or closed curve",
+                            binding->definition->name);
+    if (pieces > (MOST_POINTS - joint) / step)
+        return report_failure(binding->report, BCIFS_INPUT, NULL, "%zu pieces have more than %d control points",
+                              pieces, MOST_POINTS);
+    return points_unplaced(binding, pieces * step + (binding->directions[0]->kind == FIGURE_OPEN ? joint : 0));
+}
+
 static bcifs_status points_bind(struct binding *binding, const bcifs_figure_options *options)
 {
-    binding->points_given = options && options->points;
+    const struct syntax_figure_part *along = binding->direction_count == 1 ? binding->directions[0] : NULL;
+    binding->points_given = options && (options->points || options->curve || options->pieces);
+    if (options && options->pieces)
+        return pieces_unplaced(binding, options->pieces);
+    if (options && options->curve)
+        return points_drawn(binding, options->curve, along && along->kind == FIGURE_CLOSED,
+                            along && along->kind == FIGURE_OPEN);
     if (binding->points_given)
         return points_given(binding, options);
     if (binding->points)
@@ -674,9 +713,14 @@ static bcifs_status bare_figure(struct binding *binding, const struct definition
     if (status)
         return status;
     size_t points = figure->states.states[figure->pieces[0].state].points;
-    if (options && options->points)
+    if (options && options->pieces > 1)
+        status = report_failure(binding->report, BCIFS_INPUT, binding->source->name,
+                                "the state '%s' on its own is one piece, not %zu", definition->name, options->pieces);
+    else if (options && options->curve)
+        status = points_drawn(binding, options->curve, false, definition->kind == CELL_EDGE);
+    else if (options && options->points)
         status = points_given(binding, options);
-    else if (options && options->unplaced)
+    else if (options && (options->unplaced || options->pieces))
         status = points_unplaced(binding, points);
     else if (definition->syntax && definition->syntax->affine)
         status = points_frame(binding, points - 1);

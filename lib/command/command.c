@@ -92,6 +92,33 @@ int equations_check(const struct arguments *arguments, const bcifs_automaton *au
     return exit_of(status);
 }
 
+int figure_create(const struct arguments *arguments, const bcifs_automaton *automaton, bcifs_figure **figure)
+{
+    bcifs_figure_options options = {.figure = arguments->figure, .state = arguments->state};
+    bcifs_load_options reading = load_options(arguments);
+    bcifs_error error;
+    double *points = NULL;
+    bcifs_curve *curve = NULL;
+    bcifs_status status = BCIFS_OK;
+    if (arguments->figure && arguments->state)
+        return complain("--figure and --state exclude each other");
+    if (arguments->points && arguments->curve)
+        return complain("--points and --curve exclude each other");
+    if (arguments->points)
+        status = bcifs_points_read(arguments->points, &reading, &points, &options.point_count, &options.dimension,
+                                   &error);
+    else if (arguments->curve)
+        status = bcifs_curve_read(arguments->curve, &reading, &curve, &error);
+    if (status)
+        return exit_of(status);
+    options.points = points;
+    options.curve = curve;
+    status = bcifs_figure_create(automaton, &options, figure, &error);
+    bcifs_points_free(points);
+    bcifs_curve_free(curve);
+    return status ? fail(status, &error) : EXIT_YES;
+}
+
 int text_output(const struct arguments *arguments, char *text)
 {
     bcifs_error error;
@@ -206,10 +233,15 @@ static const char **string_slot(struct arguments *arguments, const char *name)
         const char *name;
         const char **slot;
     } slots[] = {
-        {"--figure", &arguments->figure}, {"--state", &arguments->state},   {"--points", &arguments->points},
-        {"-o", &arguments->output},       {"--format", &arguments->format}, {"--depth", &arguments->depth},
-        {"--show", &arguments->show},     {"--range", &arguments->range},   {"--levels", &arguments->levels},
-        {"--as", &arguments->as}, {"--width", &arguments->width},     {"--effort", &arguments->effort}, {"--threads", &arguments->threads}, {"--level", &arguments->level},
+        {"--figure", &arguments->figure},   {"--state", &arguments->state},     {"--points", &arguments->points},
+        {"--curve", &arguments->curve},     {"--to", &arguments->to},           {"--pieces", &arguments->pieces},
+        {"-o", &arguments->output},         {"--format", &arguments->format},   {"--depth", &arguments->depth},
+        {"--show", &arguments->show},       {"--range", &arguments->range},     {"--levels", &arguments->levels},
+        {"--as", &arguments->as},           {"--width", &arguments->width},     {"--effort", &arguments->effort},
+        {"--threads", &arguments->threads}, {"--level", &arguments->level},     {"--coarsen", &arguments->coarsen},
+        {"--refine", &arguments->refine},   {"--alpha", &arguments->alpha},     {"--free", &arguments->free},
+        {"--keep", &arguments->keep},       {"--area", &arguments->area},       {"--energy", &arguments->energy},
+        {"--pin", &arguments->pins},
     };
     for (size_t i = 0; i < sizeof slots / sizeof *slots; i++)
         if (strcmp(slots[i].name, name) == 0)
@@ -244,6 +276,12 @@ static int option_store(struct arguments *arguments, const char *name, const cha
         if (arguments->axis_count == MOST_AXES)
             return complain("more than %d --over", MOST_AXES);
         arguments->axes[arguments->axis_count++] = argument;
+        return EXIT_YES;
+    }
+    if (strcmp(name, "--move") == 0) {
+        if (arguments->move_count == MOST_MOVES)
+            return complain("more than %d --move", MOST_MOVES);
+        arguments->moves[arguments->move_count++] = argument;
         return EXIT_YES;
     }
     if (strcmp(name, "--at") == 0 || strcmp(name, "--address") == 0) {

@@ -18,7 +18,7 @@ struct option {
     const char *text;     /* one line of help */
 };
 
-enum { MOST_SETTINGS = 256, MOST_POSITIONS = 256, MOST_LAYERS = 64, MOST_AXES = 2 };
+enum { MOST_SETTINGS = 256, MOST_POSITIONS = 256, MOST_LAYERS = 64, MOST_AXES = 2, MOST_MOVES = 1024 };
 
 /* What was said on the command line. A command looks at what its options may set. */
 struct arguments {
@@ -27,7 +27,10 @@ struct arguments {
     size_t setting_count;
     const char *axes[MOST_AXES]; /* --over */
     size_t axis_count;
-    const char *figure, *state, *points, *output, *format, *depth, *show, *range, *levels, *width, *effort, *threads, *level, *as;
+    const char *moves[MOST_MOVES]; /* --move */
+    size_t move_count;
+    const char *figure, *state, *points, *curve, *to, *pieces, *output, *format, *depth, *show, *range, *levels,
+        *width, *effort, *threads, *level, *as, *coarsen, *refine, *alpha, *free, *keep, *area, *energy, *pins;
     const char *positions[MOST_POSITIONS]; /* --at and --address, in their order */
     bool is_address[MOST_POSITIONS];
     size_t position_count;
@@ -47,7 +50,7 @@ struct command {
 };
 
 extern const struct command command_analyze, command_area, command_basis, command_check, command_complete,
-    command_describe, command_eval, command_fmt, command_map;
+    command_describe, command_edit, command_eval, command_fit, command_fmt, command_map;
 
 /* NULL past the last. */
 const struct command *command_at(size_t index);
@@ -68,6 +71,8 @@ int automaton_load(const struct arguments *arguments, bcifs_automaton **automato
 /* Points shared by neighbors are written once, so what is drawn must be proved to meet: EXIT_NO, having said which
  * equation fails first. */
 int equations_check(const struct arguments *arguments, const bcifs_automaton *automaton);
+/* The figure that --figure, --state, --points and --curve ask for. */
+int figure_create(const struct arguments *arguments, const bcifs_automaton *automaton, bcifs_figure **figure);
 /* Options for library calls that report: `context` must be `arguments`. */
 bcifs_load_options load_options(const struct arguments *arguments);
 

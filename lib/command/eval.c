@@ -19,7 +19,6 @@ struct evaluation {
     const struct arguments *arguments;
     bcifs_automaton *automaton;
     bcifs_figure *figure;
-    double *points;
     bcifs_plan *plans[MOST_LAYERS];
     bcifs_layer layers[MOST_LAYERS];
     size_t layer_count;
@@ -258,28 +257,11 @@ static int positions_write(struct evaluation *evaluation)
 
 /* ---- The command --------------------------------------------------------------------------------------- */
 
-static int figure_make(struct evaluation *evaluation)
-{
-    const struct arguments *arguments = evaluation->arguments;
-    bcifs_figure_options options = {.figure = arguments->figure, .state = arguments->state};
-    bcifs_load_options reading = load_options(arguments);
-    bcifs_error error;
-    if (arguments->points) {
-        bcifs_status read = bcifs_points_read(arguments->points, &reading, &evaluation->points,
-                                              &options.point_count, &options.dimension, &error);
-        if (read)
-            return exit_of(read);
-        options.points = evaluation->points;
-    }
-    bcifs_status status = bcifs_figure_create(evaluation->automaton, &options, &evaluation->figure, &error);
-    return status ? fail(status, &error) : EXIT_YES;
-}
-
 static int evaluate(struct evaluation *evaluation)
 {
     int status = equations_check(evaluation->arguments, evaluation->automaton);
     if (status == EXIT_YES)
-        status = figure_make(evaluation);
+        status = figure_create(evaluation->arguments, evaluation->automaton, &evaluation->figure);
     if (status)
         return status;
     if (evaluation->arguments->position_count > 0)
@@ -303,7 +285,6 @@ static int run(const struct arguments *arguments)
     for (size_t i = 0; i < evaluation.layer_count; i++)
         bcifs_plan_free(evaluation.plans[i]);
     bcifs_figure_free(evaluation.figure);
-    bcifs_points_free(evaluation.points);
     bcifs_automaton_free(evaluation.automaton);
     return status;
 }
@@ -317,6 +298,7 @@ static const struct option options_list[] = {
     {"--figure", "NAME", "which figure of the file (default: the first)"},
     {"--state", "NAME", "draw one state on its own, on the points of --points"},
     {"--points", "FILE", "control points from CSV, one a row, instead of the figure's"},
+    {"--curve", "FILE", "control points from the first path of an SVG file, or through those of a CSV"},
     {"--set", "NAME=EXPR", "give a param a value; may be repeated"},
     {"-o", "FILE", "where to write; the ending names the format; - is standard output"},
     {"--format", "NAME", "csv, json, f64, npy, svg or png"},

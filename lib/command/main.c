@@ -5,9 +5,9 @@
 
 #include "command.h"
 
-static const struct command *const commands[] = {&command_analyze,  &command_area,     &command_basis,
-                                                 &command_check,    &command_complete, &command_describe,
-                                                 &command_eval,     &command_fmt,      &command_map};
+static const struct command *const commands[] = {
+    &command_analyze, &command_area, &command_basis, &command_check, &command_complete, &command_describe,
+    &command_edit,    &command_eval, &command_fit,   &command_fmt,   &command_map};
 
 const struct command *command_at(size_t index)
 {

@@ -2,8 +2,7 @@
 #include <string.h>
 
 #include "base/decimal.h"
-#include "language/report.h"
-#include "language/source.h"
+#include "language/points.h"
 
 enum { MOST_COORDINATES = 16, MOST_ROWS = 1 << 24 };
 
@@ -120,26 +119,32 @@ static bcifs_status table_read(struct table *table)
     return BCIFS_OK;
 }
 
+bcifs_status points_from_source(const struct source *source, struct report *report, double **points, size_t *count,
+                                unsigned *dimension)
+{
+    struct table table = {.source = source, .report = report};
+    bcifs_status status = table_read(&table);
+    if (status) {
+        memory_free(table.numbers);
+        return status;
+    }
+    *points = table.numbers;
+    *count = table.rows;
+    *dimension = (unsigned)table.columns;
+    return BCIFS_OK;
+}
+
 bcifs_status bcifs_points_read(const char *path, const bcifs_load_options *options, double **points, size_t *count,
                                unsigned *dimension, bcifs_error *error)
 {
     struct report report = report_new(options);
     struct arena arena = {0};
     struct source *source;
-    struct table table = {.report = &report};
     bcifs_status status = source_read(&arena, path, &report, &source);
-    if (status == BCIFS_OK) {
-        table.source = source;
-        status = table_read(&table);
-    }
-    if (status == BCIFS_OK) {
-        *points = table.numbers;
-        *count = table.rows;
-        *dimension = (unsigned)table.columns;
-    } else {
-        memory_free(table.numbers);
+    if (status == BCIFS_OK)
+        status = points_from_source(source, &report, points, count, dimension);
+    if (status)
         report_close(&report, error);
-    }
     arena_free(&arena);
     return status;
 }

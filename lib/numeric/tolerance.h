@@ -72,4 +72,21 @@
 /* Solutions in a Krylov space are accepted when the equation's residual is this share of its right side. */
 #define TOLERANCE_RESIDUAL 1e-12
 
+/* The last point of a closed path whose coordinates are sums of as many steps as it has commands falls together with
+ * the first when they differ by less than this share of the coordinates. */
+#define TOLERANCE_MEETING 1e-12
+
+/* A point of a curve is where its arc length says when it misses by less than this share of its piece's length: the
+ * rule that measures is good to about that. */
+#define TOLERANCE_LENGTH 1e-13
+
+/* What smooths a least-squares problem: its share of the mean diagonal entry of the normal equations. Well above
+ * TOLERANCE_SINGULAR times the size of a long gap, and low enough that a few refinements take it out again. */
+#define TOLERANCE_SMOOTHING 1e-9
+
+/* A fit ends when steps lower its error by less than this share of it, */
+#define TOLERANCE_FALL 1e-5
+/* or when the error is rounding: the coordinates are of size 1 and go through some hundred operations. */
+#define TOLERANCE_FITTED 1e-14
+
 #endif

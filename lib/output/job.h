@@ -12,6 +12,7 @@
 struct layer {
     struct point_source points;
     bcifs_role role;
+    bcifs_ink ink;
 };
 
 struct job {

@@ -17,7 +17,8 @@ static const double ROUNDING = 0x1p-45, SHORTEST = 1e-290;
 
 /* The curve is nearly black, the control polygon stands back in gray-blue. */
 static const struct color INK = {0x1c, 0x1c, 0x1c}, POLYGON_LINE = {0x93, 0xa6, 0xba},
-                          POLYGON_MARKER = {0x5b, 0x76, 0x94}, TANGENT_LINE = {0xc6, 0x28, 0x28};
+                          POLYGON_MARKER = {0x5b, 0x76, 0x94}, TANGENT_LINE = {0xc6, 0x28, 0x28},
+                          TARGET_LINE = {0xcc, 0xcc, 0xcc};
 
 /* Levels run from ochre to deep blue. Lightness falls all the way, so that the order also shows in gray print
  * and to color-blind eyes. */
@@ -48,6 +49,21 @@ static double dot_size(uint64_t count)
     return fmin(4.0, fmax(1.0, 120.0 / sqrt((double)count)));
 }
 
+/* The blue, green and red of [MR], light enough for the polygon, dark enough for the curve on it. */
+static const struct color INK_LINES[] = {[BCIFS_BLUE] = {0x1f, 0x4e, 0xb4}, [BCIFS_GREEN] = {0x1d, 0x8a, 0x34},
+                                         [BCIFS_RED] = {0xcc, 0x1f, 0x1f}},
+                          INK_POLYGONS[] = {[BCIFS_BLUE] = {0xa9, 0xbd, 0xe6}, [BCIFS_GREEN] = {0xa3, 0xd6, 0xae},
+                                            [BCIFS_RED] = {0xee, 0xae, 0xae}};
+
+/* Colors chosen by the caller take the place of the role's. */
+static void style_ink(struct style *style, bcifs_role role, bcifs_ink ink)
+{
+    if (ink == BCIFS_INK_OF_ROLE)
+        return;
+    style->line = role == BCIFS_POLYGON ? INK_POLYGONS[ink] : INK_LINES[ink];
+    style->marker = INK_LINES[ink];
+}
+
 static struct style style_of(const struct layer *layer, size_t level, size_t levels)
 {
     struct style style = {
@@ -65,6 +81,11 @@ static struct style style_of(const struct layer *layer, size_t level, size_t lev
         style.line = style.marker = TANGENT_LINE;
         style.line_width = 1.6;
     }
+    if (layer->role == BCIFS_TARGET) { /* so wide that it shows on both sides of the curve on it */
+        style.line = style.marker = TARGET_LINE;
+        style.line_width = 5.0;
+    }
+    style_ink(&style, layer->role, layer->ink);
     if (layer->points.polygon > 0 && layer->role != BCIFS_POLYGON) {
         style.fill = 0.12;
         style.line_width = 0.7;
@@ -77,11 +98,11 @@ static struct style style_of(const struct layer *layer, size_t level, size_t lev
 static int role_rank(bcifs_role role)
 {
     static const int ranks[] = {
-        [BCIFS_POLYGON] = 0, [BCIFS_LEVEL] = 1, [BCIFS_CURVE] = 2, [BCIFS_TANGENT] = 3};
+        [BCIFS_TARGET] = 0, [BCIFS_POLYGON] = 1, [BCIFS_LEVEL] = 2, [BCIFS_CURVE] = 3, [BCIFS_TANGENT] = 4};
     return ranks[role];
 }
 
-/* Whether layer `a` is drawn before `b`: polygons, then levels from coarse to fine, curves, half-tangents. */
+/* Whether layer `a` is drawn before `b`: targets, polygons, then levels from coarse to fine, curves, half-tangents. */
 static bool layer_precedes(const struct job *job, size_t a, size_t b)
 {
     const struct layer *one = &job->layers[a], *other = &job->layers[b];

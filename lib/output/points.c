@@ -5,9 +5,13 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "language/outline.h"
 #include "output/job.h"
 
-enum { PROGRESS_POINTS = 1 << 16 };
+enum {
+    PROGRESS_POINTS = 1 << 16,
+    CUBIC_PARTS = 32 /* lines that a cubic piece is drawn with: they leave it by a thousandth of its size */
+};
 
 /* ---- Points of a plan ---------------------------------------------------------------------------------- */
 
@@ -95,6 +99,65 @@ struct point_source points_of_segments(const struct segments *segments)
                                  .path = segments_path,
                                  .open = segments_open,
                                  .next = segments_next,
+                                 .close = memory_free};
+}
+
+/* ---- Points of a drawn curve --------------------------------------------------------------------------- */
+
+struct curve_walk {
+    const bcifs_curve *curve;
+    uint64_t next;
+};
+
+static uint64_t curve_count(const bcifs_curve *curve)
+{
+    return (uint64_t)outline_pieces(curve, false) * (curve->cubic ? CUBIC_PARTS : 1) + !curve->closed;
+}
+
+static bcifs_path curve_path(const void *origin, size_t index)
+{
+    const bcifs_curve *curve = origin;
+    (void)index;
+    return (bcifs_path){0, curve_count(curve), curve->closed};
+}
+
+static bcifs_status curve_open(const void *origin, void **walk, bcifs_error *error)
+{
+    struct curve_walk *fresh = memory_new(1, sizeof *fresh);
+    if (!fresh) {
+        struct report report = report_new(NULL);
+        report_memory(&report);
+        return report_close(&report, error);
+    }
+    fresh->curve = origin;
+    *walk = fresh;
+    return BCIFS_OK;
+}
+
+static size_t curve_next(void *walk, double *points, size_t capacity)
+{
+    struct curve_walk *own = walk;
+    const bcifs_curve *curve = own->curve;
+    size_t parts = curve->cubic ? CUBIC_PARTS : 1, count = 0;
+    uint64_t total = curve_count(curve), pieces = outline_pieces(curve, false);
+    for (; count < capacity && own->next < total; count++, own->next++) {
+        bool end = own->next == pieces * parts;
+        struct outline_piece piece = outline_piece(curve, (size_t)(end ? pieces - 1 : own->next / parts));
+        double t = end ? 1 : (double)(own->next % parts) / (double)parts;
+        outline_piece_point(&piece, t, points + count * curve->dimension);
+    }
+    return count;
+}
+
+struct point_source points_of_curve(const bcifs_curve *curve)
+{
+    return (struct point_source){.count = curve_count(curve),
+                                 .dimension = curve->dimension,
+                                 .path_count = 1,
+                                 .origin = curve,
+                                 .path = curve_path,
+                                 .open = curve_open,
+                                 .next = curve_next,
                                  .close = memory_free};
 }
 

@@ -34,6 +34,8 @@ struct segments {
     unsigned dimension;
 };
 struct point_source points_of_segments(const struct segments *segments);
+/* A drawn curve, its cubic pieces as polylines. */
+struct point_source points_of_curve(const bcifs_curve *curve);
 /* Whether the points form neither paths nor polygons. */
 bool points_are_loose(const struct point_source *source);
 

@@ -41,6 +41,7 @@ static void layer_describe(struct file *file, const struct layer *layer)
     const struct point_source *source = &layer->points;
     const char *name = layer->role == BCIFS_POLYGON ? "control polygon"
                        : layer->role == BCIFS_LEVEL ? "level"
+                       : layer->role == BCIFS_TARGET ? "target"
                                                     : "curve";
     if (points_are_loose(source)) {
         count_write(file, source->count, layer->role == BCIFS_LEVEL ? "level of " : "", "");
@@ -384,7 +385,8 @@ static bcifs_status dots_draw(struct drawing *drawing, size_t layer)
 static bcifs_status layer_draw(struct drawing *drawing, size_t index)
 {
     static const char *const kinds[] = {
-        [BCIFS_CURVE] = "curve", [BCIFS_POLYGON] = "polygon", [BCIFS_LEVEL] = "level", [BCIFS_TANGENT] = "tangent"};
+        [BCIFS_CURVE] = "curve", [BCIFS_POLYGON] = "polygon", [BCIFS_LEVEL] = "level", [BCIFS_TANGENT] = "tangent",
+        [BCIFS_TARGET] = "target"};
     const struct layer *layer = &drawing->picture.job->layers[index];
     const struct style *style = &drawing->picture.styles[index];
     bool loose = points_are_loose(&layer->points);

@@ -29,8 +29,10 @@ bcifs_status bcifs_write(const bcifs_figure *figure, const bcifs_layer *layers, 
     job.layers = drawn;
     for (size_t i = 0; drawn && segments && i < layer_count; i++) {
         segments[i] = (struct segments){layers[i].segments, layers[i].segment_count, bcifs_figure_dimension(figure)};
-        drawn[i] = (struct layer){
-            layers[i].plan ? points_of_plan(layers[i].plan) : points_of_segments(&segments[i]), layers[i].role};
+        struct point_source points = layers[i].plan    ? points_of_plan(layers[i].plan)
+                                     : layers[i].curve ? points_of_curve(layers[i].curve)
+                                                       : points_of_segments(&segments[i]);
+        drawn[i] = (struct layer){points, layers[i].role, layers[i].ink};
     }
     const struct format *format = drawn && segments ? format_find(options->format, path, &report) : NULL;
     if (!drawn || !segments)
