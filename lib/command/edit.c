@@ -182,7 +182,7 @@ static int stage_draw(const struct editing *editing, bcifs_stage stage, bcifs_fi
 }
 
 /* The initial curve in blue, the deformed one in green, the area-true one in red. */
-static int picture_write(const struct editing *editing)
+static int picture_write(const struct editing *editing, const char *format)
 {
     enum { STAGES = 3 };
     const struct arguments *arguments = editing->arguments;
@@ -196,7 +196,7 @@ static int picture_write(const struct editing *editing)
         status = stage_draw(editing, (bcifs_stage)stage, figures + 2 * stage, plans + 2 * stage, layers + 2 * stage);
     if (status == EXIT_YES) {
         char *line = command_line(arguments);
-        const bcifs_write_options options = {.format = output_format(arguments), .command = line, .width = width};
+        const bcifs_write_options options = {.format = format, .command = line, .width = width};
         bcifs_error error;
         bcifs_status written = bcifs_write(figures[0], layers, 2 * count, arguments->output, &options, &error);
         free(line);
@@ -232,28 +232,24 @@ static int points_write(const struct editing *editing)
     return status ? fail(status, &error) : EXIT_YES;
 }
 
-static int report_write(const struct editing *editing, bool json)
-{
-    struct arguments printed = *editing->arguments;
-    if (json && output_is_picture(&printed))
-        printed.output = NULL; /* the picture has the file, the report standard output */
-    return text_output(&printed,
-                       json ? bcifs_editor_json(editing->editor) : bcifs_editor_text(editing->editor));
-}
-
 static int output_write(const struct editing *editing)
 {
+    /* With --json the file of -o may still be a picture: the report then goes to standard output. */
     const struct arguments *arguments = editing->arguments;
-    const char *format = output_format(arguments);
-    bool picture = output_is_picture(arguments);
+    struct arguments drawn = *arguments, told = *arguments;
+    drawn.json = false;
+    bool picture = output_is_picture(&drawn), json = arguments->json || strcmp(output_format(arguments), "json") == 0;
     if (picture && !arguments->output)
-        return complain("a picture needs a file: -o x.%s", format);
-    int status = picture ? picture_write(editing) : EXIT_YES;
-    if (status == EXIT_YES && (arguments->json || strcmp(format, "json") == 0))
-        return report_write(editing, true);
+        return complain("a picture needs a file: -o x.%s", output_format(&drawn));
+    if (picture)
+        told.output = NULL;
+    int status = picture ? picture_write(editing, output_format(&drawn)) : EXIT_YES;
+    if (status == EXIT_YES && json)
+        return text_output(&told, bcifs_editor_json(editing->editor));
     if (picture || status)
         return status;
-    return arguments->output || arguments->format ? points_write(editing) : report_write(editing, false);
+    return arguments->output || arguments->format ? points_write(editing)
+                                                  : text_output(arguments, bcifs_editor_text(editing->editor));
 }
 
 /* ---- The edit ------------------------------------------------------------------------------------------ */
