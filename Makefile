@@ -1,4 +1,5 @@
-# bcifs: `make` builds, `make demo` draws, `make check` tests, `make install PREFIX=… DESTDIR=…` installs.
+# bcifs: `make` builds, `make demo` draws, `make check` tests, `make bench` measures,
+# `make install PREFIX=… DESTDIR=…` installs.
 
 VERSION := 0.1.0
 SONAME_VERSION := 0
@@ -32,15 +33,20 @@ LIBS := -lm -pthread
 LIBRARY_SOURCES := $(filter-out lib/command/%,$(wildcard lib/*/*.c))
 COMMAND_SOURCES := $(wildcard lib/command/*.c)
 UNIT_SOURCES := $(wildcard tests/unit/*.c)
+BENCH_SOURCES := $(wildcard tests/bench/*.c)
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/object/%.o)
 COMMAND_OBJECTS := $(COMMAND_SOURCES:%.c=$(BUILD)/object/%.o)
+BENCH_OBJECTS := $(BENCH_SOURCES:%.c=$(BUILD)/object/%.o)
 UNIT_TESTS := $(UNIT_SOURCES:tests/unit/%.c=$(BUILD)/tests/%.t)
 COMMAND_TESTS := $(wildcard tests/command/*.t)
 GALLERY := $(wildcard automata/*.bcifs)
 
 SHARED := libbcifs.so.$(VERSION)
 
-.PHONY: all demo check install uninstall clean
+# What `make bench` measures: all, or what begins with one of these.
+BENCH ?=
+
+.PHONY: all demo check bench install uninstall clean
 
 all: $(BUILD)/bcifs $(BUILD)/libbcifs.a $(BUILD)/libbcifs.so
 
@@ -72,6 +78,12 @@ $(BUILD)/bcifs: $(COMMAND_OBJECTS) $(BUILD)/libbcifs.a
 $(BUILD)/tests/%.t: tests/unit/%.c $(BUILD)/libbcifs.a $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) $(LDFLAGS) -MMD -MP -MT $@ -MF $(@:.t=.d) -o $@ $< $(BUILD)/libbcifs.a $(LIBS)
+
+$(BUILD)/bench: $(BENCH_OBJECTS) $(BUILD)/libbcifs.a
+	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+bench: $(BUILD)/bench
+	$(BUILD)/bench -o $(BUILD)/bench.json $(BENCH)
 
 demo: $(BUILD)/bcifs
 	@mkdir -p $(BUILD)/demo
@@ -110,4 +122,4 @@ uninstall:
 clean:
 	rm -rf $(BUILD)
 
--include $(wildcard $(BUILD)/object/lib/*/*.d $(BUILD)/tests/*.d)
+-include $(wildcard $(BUILD)/object/*/*/*.d $(BUILD)/tests/*.d)
