@@ -1,5 +1,6 @@
 #include "deform.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -79,24 +80,37 @@ static void rows_apply(const struct sparse *a, const struct deform_problem *prob
     }
 }
 
-/* A(base) = ½ x·M y, and with x + dx w, y + dy w in place of x, y: + ½ dx w·M y - ½ dy w·M x, as w·M w = 0. */
+/* A(base) = ½ x·M y: each pair of coefficients once, as M is antisymmetric. */
+static double area_of(const struct deform_problem *problem)
+{
+    const struct sparse *m = problem->area;
+    const double *base = problem->base;
+    double sum = 0;
+    for (size_t i = 0; i < problem->count; i++) {
+        double x = 0, y = 0;
+        for (size_t k = m->starts[i + 1]; k > m->starts[i] && m->columns[k - 1] > i; k--) {
+            size_t j = m->columns[k - 1];
+            x += m->values[k - 1] * base[2 * j];
+            y += m->values[k - 1] * base[2 * j + 1];
+        }
+        sum += base[2 * i] * y - base[2 * i + 1] * x;
+    }
+    return sum / 2;
+}
+
+/* With x + dx w, y + dy w in place of x, y: A = ½ x·M y + ½ dx w·M y - ½ dy w·M x, as w·M w = 0. */
 static void areas_prepare(struct deform *deform, const struct deform_problem *problem)
 {
     const struct sparse *m = problem->area;
-    double constant = 0, along[2] = {0};
-    for (size_t i = 0; i < problem->count; i++) {
-        double weight = problem->direction ? problem->direction[i] : 0, x = 0, y = 0;
-        for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
-            y += m->values[k] * problem->base[2 * (size_t)m->columns[k] + 1];
-        constant += problem->base[2 * i] * y;
-        if (weight == 0)
-            continue;
-        for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
-            x += m->values[k] * problem->base[2 * (size_t)m->columns[k]];
-        along[0] += weight * y;
-        along[1] -= weight * x;
+    double along[2] = {0};
+    for (size_t i = 0; problem->direction && i < problem->count; i++) {
+        double weight = problem->direction[i];
+        for (size_t k = m->starts[i]; weight != 0 && k < m->starts[i + 1]; k++) {
+            along[0] += weight * m->values[k] * problem->base[2 * (size_t)m->columns[k] + 1];
+            along[1] -= weight * m->values[k] * problem->base[2 * (size_t)m->columns[k]];
+        }
     }
-    deform->constant = constant / 2;
+    deform->constant = area_of(problem);
     deform->along[0] = along[0] / 2;
     deform->along[1] = along[1] / 2;
 }
@@ -551,7 +565,9 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
 {
     double start = deform->constant + displacement[0] * deform->along[0] + displacement[1] * deform->along[1];
     double size = fmax(fabs(target), fabs(start));
-    struct drag drag = {.goal = target - start, .tolerance = TOLERANCE_CONSTRAINT * size, .lambda = deform->lambda};
+    struct drag drag = {.goal = target - start, 
+                        .tolerance = fmax(TOLERANCE_CONSTRAINT * fabs(target), DBL_EPSILON * size),
+                        .lambda = deform->lambda};
     bool near = fabs(target - start) <= TOLERANCE_EQUATION * size;
     *outcome = (struct deform_outcome){.reason = DEFORM_REACHED, .area = start, .global = true};
     drag_full(deform, displacement);
