@@ -253,7 +253,7 @@ static void order_compare(const struct neighbors *graph, const size_t *candidate
 
 static bool order_choose(const struct neighbors *graph, struct arena *arena, size_t *order)
 {
-    enum { HOPELESS = 64, GOOD = 2, EFFORT = 16 };
+    enum { HOPELESS = 64, GOOD = 2, FAIR = 4, EFFORT = 512 };
     size_t size = graph->size, entries = graph->starts[size], least = HOPELESS * (entries + size);
     size_t *candidate = arena_new(arena, size, sizeof *candidate);
     struct order_work work = {arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t)),
@@ -266,15 +266,18 @@ static bool order_choose(const struct neighbors *graph, struct arena *arena, siz
     for (size_t i = 0; i < size; i++)
         candidate[i] = size - 1 - i;
     order_compare(graph, candidate, &work, &least, order);
-    /* A holds each entry of L twice: at GOOD times its half nothing is to be gained. */
+    /* A holds each of its entries twice. Where L has GOOD times as many nothing is to be gained; up to FAIR times as many
+     * the search for a minimum degree costs more than it saves. */
     if (least <= GOOD * entries / 2)
         return true;
     order_cuthill_mckee(graph, work.marks, candidate);
     order_compare(graph, candidate, &work, &least, order);
-    if (least <= GOOD * entries / 2)
+    if (least <= FAIR * entries / 2)
         return true;
+    /* The work is that of factoring with the degrees it finds: it should not exceed twice that of the best so far. */
     bool complete;
-    if (!order_minimum_degree(graph, EFFORT * (entries + size) + 4 * least, candidate, &complete))
+    double work_best = 2 * (double)least * (double)least / (double)size, work_most = EFFORT * (double)(entries + size);
+    if (!order_minimum_degree(graph, (size_t)(work_best < work_most ? work_best : work_most), candidate, &complete))
         return false;
     if (complete)
         order_compare(graph, candidate, &work, &least, order);

@@ -503,9 +503,16 @@ static void test_hard(void)
     for (long round = 0; round < test_effort(60); round++) {
         double z[2 * MOST], c0[2 * MOST] = {0}, copy[2 * MOST], none[2] = {0, 0}, sign = below(2) ? 1 : -1;
         struct deform_outcome outcome;
-        size_t n = round % 6 == 0 ? 50 + below(100) : 3 + below(30);
-        sample_make(n, below(3), n < 50 && below(2) ? 2 + below(n - 1) : n, exp(2 * number()));
+        size_t n = round % 12 == 6 ? 200 : round % 6 == 0 ? 50 + below(100) : 3 + below(30);
+        sample_make(n, round % 12 == 6 ? 0 : below(3), n < 50 && below(2) ? 2 + below(n - 1) : n, exp(2 * number()));
         memset(sample.base, 0, sizeof sample.base);
+        if (below(2))
+            sample.problem.direction = NULL;
+        /* Without an energy the eigenvalues of a polygon's area crowd at the critical one: no small space has it. */
+        if (round % 12 == 6) {
+            sample.problem.energy = NULL;
+            sample.problem.direction = NULL;
+        }
         bool linear = true;
         for (size_t p = 0; p < sample.problem.free_count; p++)
             for (size_t q = 0; q < sample.problem.free_count; q++)
@@ -519,7 +526,7 @@ static void test_hard(void)
         double area = area_error(z, target), equation = stationary_error(z, c0, outcome.multiplier);
         bool inside = point_at(outcome.multiplier * (1 - 1e-8), c0, copy);
         bool outside = point_at(outcome.multiplier * (1 + 1e-8), c0, copy);
-        double least = fabs(outcome.multiplier * target) / 2 * 2;
+        double least = fabs(outcome.multiplier * target);
         if (!(solved && outcome.reason == DEFORM_REACHED && outcome.global && area < 1e-13 && equation < 1e-10 &&
               inside && !outside && fabs(objective_of(z, c0) / least - 1) < 1e-8) &&
             ++failures < 5)
@@ -545,6 +552,7 @@ static void test_symmetric(void)
         area_fill(n, true, 0);
         sample.area = sparse_from(sample.m, n, &sample.arena);
         sample.problem.energy = NULL;
+        sample.problem.direction = NULL;
         for (size_t i = 0; i < n; i++) {
             sample.base[2 * i] = cos(2 * acos(-1) * (double)i / (double)n);
             sample.base[2 * i + 1] = sin(2 * acos(-1) * (double)i / (double)n);

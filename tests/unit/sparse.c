@@ -275,6 +275,27 @@ static struct sparse band(size_t size, size_t reach, bool shuffled, struct arena
     return a;
 }
 
+/* The five-point star on side × side nodes. */
+static struct sparse grid(size_t side, struct arena *arena)
+{
+    size_t size = side * side, count = 0;
+    struct triple *triples = arena_new(arena, 5 * size, sizeof *triples);
+    struct sparse a = {0};
+    for (size_t i = 0; i < size; i++) {
+        triples[count++] = (struct triple){i, i, 5};
+        if (i % side + 1 < side) {
+            triples[count++] = (struct triple){i, i + 1, -1};
+            triples[count++] = (struct triple){i + 1, i, -1};
+        }
+        if (i + side < size) {
+            triples[count++] = (struct triple){i, i + side, -1};
+            triples[count++] = (struct triple){i + side, i, -1};
+        }
+    }
+    sparse_from_triples(&a, size, size, triples, count, arena);
+    return a;
+}
+
 /* A dyadic hierarchy, coarse first: a detail of level k is coupled with those around it on all levels above. */
 static struct sparse hierarchy(size_t levels, struct arena *arena)
 {
@@ -310,11 +331,14 @@ static void test_fill(void)
 {
     struct arena arena = {0};
     struct sparse a = band(20000, 2, false, &arena), b = band(20000, 2, true, &arena);
-    struct sparse c = hierarchy(13, &arena);
+    struct sparse c = hierarchy(13, &arena), e = grid(60, &arena);
     double plain = fill(&a, &arena), shuffled = fill(&b, &arena), fine = fill(&c, &arena);
     ok(plain <= 2, "a closed band fills at most twice (%.3f)", plain);
     ok(shuffled <= 3, "so does one whose rows are shuffled, nearly (%.3f)", shuffled);
     ok(fine <= 1, "a hierarchy does not fill at all (%.3f)", fine);
+    /* Bands fill side/2 times, 30, or two thirds of that along diagonals; minimum degree does much better. */
+    double planar = fill(&e, &arena);
+    ok(planar < 10, "a grid fills little (%.3f)", planar);
     arena_free(&arena);
 }
 
