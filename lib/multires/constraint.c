@@ -6,7 +6,8 @@
 
 #include "numeric/tolerance.h"
 
-/* The workspace: q = Bx + b, and p = (K + λ/2 B)^-1 q, that is -2 dx/dλ. The third part serves the null vector. */
+/* The workspace: q = Bx + b, and p = (K + λ/2 B)^-1 q, that is -2 dx/dλ. The third part serves the null
+ * vector. */
 static double *gradient_of(const struct constraint *c)
 {
     return c->workspace;
@@ -47,8 +48,9 @@ static enum sparse_outcome evaluate(struct constraint *c, double lambda, double 
     return SPARSE_DONE;
 }
 
-/* d value/dλ = -¼ q*p, and d²/dλ² = ⅜ p*Bp: for q' = -½ Bp and p' = -(K + λ/2 B)^-1 Bp. Halley's step to the goal,
- * -f/f' / (1 - f f''/(2 f'^2)): that share is ¾ near the singular end, where f is inverse to a square. */
+/* d value/dλ = -¼ q*p, and d²/dλ² = ⅜ p*Bp: for q' = -½ Bp and p' = -(K + λ/2 B)^-1 Bp. Halley's step to the
+ * goal, -f/f' / (1 - f f''/(2 f'^2)): that share is ¾ near the singular end, where f is inverse to a square.
+ */
 static double step_to(struct constraint *c, double goal)
 {
     const struct pencil *pencil = &c->pencil;
@@ -79,7 +81,8 @@ static void normalize(double *v, size_t count)
         v[k] /= sqrt(square);
 }
 
-/* Inverse iteration, from a vector that is special in no way. At the end of the interval one step is enough. */
+/* Inverse iteration, from a vector that is special in no way. At the end of the interval one step is enough.
+ */
 static void find_null(struct constraint *c, double *v)
 {
     size_t count = 2 * c->pencil.size;
@@ -95,7 +98,8 @@ static void find_null(struct constraint *c, double *v)
     normalize(v, count);
 }
 
-/* x + tφv has the value f + t/2 |v*q| + t²/4 v*Bv + goal, with φ = v*q/|v*q|: t is the root that is nearer. */
+/* x + tφv has the value f + t/2 |v*q| + t²/4 v*Bv + goal, with φ = v*q/|v*q|: t is the root that is nearer.
+ */
 static enum constraint_outcome complete(struct constraint *c, double goal)
 {
     double *q = gradient_of(c), *image = change_of(c), *v = null_of(c);
@@ -120,7 +124,8 @@ static enum constraint_outcome complete(struct constraint *c, double goal)
     return CONSTRAINT_COMPLETED;
 }
 
-/* The bracket has closed without a solution: λ is at the singular end. `last`: the last λ known to be inside. */
+/* The bracket has closed without a solution: λ is at the singular end. `last`: the last λ known to be inside.
+ */
 static enum constraint_outcome finish_singular(struct constraint *c, double last, double goal)
 {
     double noise;

@@ -1,5 +1,5 @@
-/* Sparse matrices against dense ones that are made from the same triples, and Cholesky factors against A = L·L^T,
- * residuals, and the fill-in that is known for bands with corners and for trees. */
+/* Sparse matrices against dense ones that are made from the same triples, and Cholesky factors against A =
+ * L·L^T, residuals, and the fill-in that is known for bands with corners and for trees. */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +22,8 @@ static double number(void)
 }
 
 /* A random matrix and the same dense, rows × width, summed in the order of the triples. */
-static struct sparse random_sparse(size_t rows, size_t width, size_t count, double *dense, struct arena *arena)
+static struct sparse random_sparse(size_t rows, size_t width, size_t count, double *dense,
+                                   struct arena *arena)
 {
     struct triple triples[4 * MOST];
     struct sparse a = {0};
@@ -119,8 +120,8 @@ static void test_algebra(void)
         size_t rows = 1 + below(MOST), inner = 1 + below(MOST), columns = 1 + below(MOST);
         struct sparse a = random_sparse(rows, inner, below(4 * MOST), x, &arena);
         struct sparse b = random_sparse(inner, columns, below(4 * MOST), y, &arena);
-        bool holds = is_equal(&a, x) && product_holds(&a, x, &b, y, &arena) && transpose_holds(&a, x, &arena) &&
-                     select_holds(&a, x, &arena);
+        bool holds = is_equal(&a, x) && product_holds(&a, x, &b, y, &arena) &&
+                     transpose_holds(&a, x, &arena) && select_holds(&a, x, &arena);
         for (size_t components = 1; components <= 3; components++)
             holds = holds && apply_holds(&a, x, components);
         if (!holds && ++failures < 5)
@@ -179,12 +180,14 @@ static double factor_error(const struct sparse *a, const struct sparse_cholesky 
             double difference = -sparse_entry(a, row, column);
             for (size_t k = 0; k < size; k++)
                 difference += l[i * size + k] * l[j * size + k];
-            worst = fmax(worst, fabs(difference) / sqrt(sparse_entry(a, row, row) * sparse_entry(a, column, column)));
+            worst = fmax(worst, fabs(difference) /
+                                    sqrt(sparse_entry(a, row, row) * sparse_entry(a, column, column)));
         }
     return worst;
 }
 
-static double solution_error(const struct sparse *a, const struct sparse_cholesky *factor, struct arena *arena)
+static double solution_error(const struct sparse *a, const struct sparse_cholesky *factor,
+                             struct arena *arena)
 {
     enum { COMPONENTS = 3 };
     size_t count = a->rows * COMPONENTS;
@@ -296,7 +299,8 @@ static struct sparse grid(size_t side, struct arena *arena)
     return a;
 }
 
-/* A dyadic hierarchy, coarse first: a detail of level k is coupled with those around it on all levels above. */
+/* A dyadic hierarchy, coarse first: a detail of level k is coupled with those around it on all levels above.
+ */
 static struct sparse hierarchy(size_t levels, struct arena *arena)
 {
     size_t size = (size_t)1 << levels, count = 0;
