@@ -6,7 +6,8 @@
 
 #include "numeric/tolerance.h"
 
-/* The workspace: q = Bx + b, and p = (K + λ/2 B)^-1 q, that is -2 dx/dλ. The third part serves the null vector. */
+/* The workspace: q = Bx + b, and p = (K + λ/2 B)^-1 q, that is -2 dx/dλ. The third part serves the null
+ * vector. */
 static double *gradient_of(const struct constraint *c)
 {
     return c->workspace;
@@ -47,15 +48,22 @@ static enum sparse_outcome evaluate(struct constraint *c, double lambda, double 
     return SPARSE_DONE;
 }
 
-/* d value/dλ = -¼ q*p. */
-static double differentiate(struct constraint *c)
+/* d value/dλ = -¼ q*p, and d²/dλ² = ⅜ p*Bp: for q' = -½ Bp and p' = -(K + λ/2 B)^-1 Bp. Halley's step to the
+ * goal, -f/f' / (1 - f f''/(2 f'^2)): that share is ¾ near the singular end, where f is inverse to a square.
+ */
+static double step_to(struct constraint *c, double goal)
 {
-    double *q = gradient_of(c), *p = change_of(c), sum = 0;
-    memcpy(p, q, 2 * c->pencil.size * sizeof *p);
-    c->pencil.solve(c->pencil.context, p);
-    for (size_t k = 0; k < 2 * c->pencil.size; k++)
-        sum += q[k] * p[k];
-    return -sum / 4;
+    const struct pencil *pencil = &c->pencil;
+    double *q = gradient_of(c), *p = change_of(c), *image = null_of(c), slope = 0, curvature = 0;
+    memcpy(p, q, 2 * pencil->size * sizeof *p);
+    pencil->solve(pencil->context, p);
+    pencil->apply(pencil->context, p, image);
+    for (size_t k = 0; k < 2 * pencil->size; k++) {
+        slope += q[k] * p[k];
+        curvature += p[k] * image[k];
+    }
+    double newton = 4 * (c->value - goal) / slope, share = 0.75 * newton * curvature / slope;
+    return newton / (share < 0.75 ? 1 - share : 0.25);
 }
 
 /* ---- The null vector ----------------------------------------------------------------------------------- */
@@ -73,7 +81,8 @@ static void normalize(double *v, size_t count)
         v[k] /= sqrt(square);
 }
 
-/* Inverse iteration, from a vector that is special in no way. At the end of the interval one step is enough. */
+/* Inverse iteration, from a vector that is special in no way. At the end of the interval one step is enough.
+ */
 static void find_null(struct constraint *c, double *v)
 {
     size_t count = 2 * c->pencil.size;
@@ -89,7 +98,8 @@ static void find_null(struct constraint *c, double *v)
     normalize(v, count);
 }
 
-/* x + tφv has the value f + t/2 |v*q| + t²/4 v*Bv + goal, with φ = v*q/|v*q|: t is the root that is nearer. */
+/* x + tφv has the value f + t/2 |v*q| + t²/4 v*Bv + goal, with φ = v*q/|v*q|: t is the root that is nearer.
+ */
 static enum constraint_outcome complete(struct constraint *c, double goal)
 {
     double *q = gradient_of(c), *image = change_of(c), *v = null_of(c);
@@ -114,7 +124,8 @@ static enum constraint_outcome complete(struct constraint *c, double goal)
     return CONSTRAINT_COMPLETED;
 }
 
-/* The bracket has closed without a solution: λ is at the singular end. `last`: the last λ known to be inside. */
+/* The bracket has closed without a solution: λ is at the singular end. `last`: the last λ known to be inside.
+ */
 static enum constraint_outcome finish_singular(struct constraint *c, double last, double goal)
 {
     double noise;
@@ -124,7 +135,7 @@ static enum constraint_outcome finish_singular(struct constraint *c, double last
     return complete(c, goal);
 }
 
-/* ---- Newton -------------------------------------------------------------------------------------------- */
+/* ---- Steps --------------------------------------------------------------------------------------------- */
 
 /* A step so short against the way to the singular end that its square vanishes: x moves along its tangent. */
 static void step_last(struct constraint *c, double step, double goal)
@@ -154,13 +165,12 @@ enum constraint_outcome constraint_meet(struct constraint *c, double goal, doubl
             high = fmin(high, fabs(lambda));
             inside = inside > low && inside < high ? inside : 0;
         } else {
-            double missing = c->value - goal, slope, step;
+            double missing = c->value - goal, step;
             if (fabs(missing) <= fmax(tolerance, noise))
                 return CONSTRAINT_MET;
             inside = lambda;
             *(missing > 0 ? &low : &high) = lambda;
-            slope = differentiate(c);
-            step = -missing / slope;
+            step = step_to(c, goal);
             if (isfinite(step) && fabs(step) <= TOLERANCE_LAST_STEP * (c->bound - fabs(lambda))) {
                 step_last(c, step, goal);
                 return CONSTRAINT_MET;

@@ -1,11 +1,13 @@
-/* Constraint: a quadratic objective under one quadratic equation, in complex vectors, solved for the multiplier.
+/* Constraint: a quadratic objective under one quadratic equation, in complex vectors, solved for the
+ * multiplier.
  *
  *     minimize ½ x*Kx + Re x*h   subject to   ½ Re x*b + ¼ x*Bx = goal,   K positive definite, B Hermitian.
  *
- * Stationary is x(λ) = -(K + λ/2 B)^-1 (h + λ/2 b). While K + λ/2 B is positive definite x(λ) is the only global
- * minimizer for the value it has, and the value falls with λ: d/dλ = -¼ q*(K + λ/2 B)^-1 q, q = Bx + b. Newton's
- * steps in a bracket find λ. Where the goal is not reached before the matrix becomes singular, x is completed by its
- * null vector, which changes the value and not the equation. */
+ * Stationary is x(λ) = -(K + λ/2 B)^-1 (h + λ/2 b). While K + λ/2 B is positive definite x(λ) is the only
+ * global minimizer for the value it has, and the value falls with λ: d/dλ = -¼ q*(K + λ/2 B)^-1 q, q = Bx +
+ * b. Steps of third order (Halley's, the second derivative is ⅜ p*Bp, p = (K + λ/2 B)^-1 q) in a bracket find
+ * λ. Where the goal is not reached before the matrix becomes singular, x is completed by its null vector,
+ * which changes the value and not the equation. */
 #ifndef MULTIRES_CONSTRAINT_H
 #define MULTIRES_CONSTRAINT_H
 
@@ -17,8 +19,8 @@ struct pencil {
     void *context;
     /* Factors K + θB; the two functions below need that for solve only. */
     enum sparse_outcome (*factor)(void *context, double theta);
-    void (*solve)(void *context, double *x);                     /* x <- (K + θB)^-1 x */
-    void (*apply)(void *context, const double *x, double *y);    /* y = B x */
+    void (*solve)(void *context, double *x);                  /* x <- (K + θB)^-1 x */
+    void (*apply)(void *context, const double *x, double *y); /* y = B x */
 };
 
 struct constraint {

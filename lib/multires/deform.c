@@ -1,5 +1,6 @@
 #include "deform.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -9,22 +10,24 @@
 #include "numeric/tolerance.h"
 
 enum {
-    COMPLETE = 48,       /* up to here the space is everything: reducing it costs less than to grow another */
-    FIRST_COLUMNS = 24,  /* of a Krylov space */
-    MOST_COLUMNS = 160,  /* beyond, factoring for each λ costs less */
+    COMPLETE = 48,      /* up to here the space is everything: reducing it costs less than to grow another */
+    FIRST_COLUMNS = 24, /* of a Krylov space */
+    MOST_COLUMNS = 160, /* beyond, factoring for each λ costs less */
     MOST_NUMBERS = 1 << 24 /* of a basis */
 };
 
-/* All vectors are of the free coefficients, n of them. The unknown is what is added to c0 there, δ: with z = c0 + δ
+/* All vectors are of the free coefficients, n of them. The unknown is what is added to c0 there, δ: with z =
+ * c0 + δ
  *
- *     objective = ½ δ*Kδ + Re δ*h + constant, h = (H c0)_F,    A(z) = A(c0) + ½ Re δ*b + ¼ δ*Bδ, b = (B c0)_F,
+ *     objective = ½ δ*Kδ + Re δ*h + constant, h = (H c0)_F,    A(z) = A(c0) + ½ Re δ*b + ¼ δ*Bδ, b = (B
+ * c0)_F,
  *
- * which has no differences of large numbers when the curve lies far from the origin. c0 = base + direction·d, for the
- * complex displacement d, so h and b are affine in d. */
+ * which has no differences of large numbers when the curve lies far from the origin. c0 = base + direction·d,
+ * for the complex displacement d, so h and b are affine in d. */
 struct deform {
     struct arena arena;
-    size_t count;         /* n */
-    const size_t *free;   /* the problem's: F, base and direction */
+    size_t count;       /* n */
+    const size_t *free; /* the problem's: F, base and direction */
     const double *points, *weights;
     const size_t *order;        /* of elimination */
     struct sparse energy, area; /* K_FF, M_FF */
@@ -33,7 +36,8 @@ struct deform {
 
     /* H and M times base (complex) and direction (real), on F. */
     double *energy_base, *energy_direction, *area_base, *area_direction;
-    /* A(c0) = constant + dx·along[0] + dy·along[1]; what rounding leaves of b is a share of base and direction. */
+    /* A(c0) = constant + dx·along[0] + dy·along[1]; what rounding leaves of b is a share of base and
+     * direction. */
     double constant, along[2], terms_base, terms_direction;
     bool linear; /* M_FF = 0 */
 
@@ -47,15 +51,15 @@ struct deform {
     struct pencil_sparse sparse;   /* the fallback, made when it is needed */
 
     /* Of one drag. */
-    double *h, *b, *image, *delta;              /* n complex numbers each */
-    double *h_reduced, *b_reduced, *x, *work;   /* most complex numbers; work: 3 × most */
-    double lambda;                              /* of the last drag, where the next one starts */
+    double *h, *b, *image, *delta;            /* n complex numbers each */
+    double *h_reduced, *b_reduced, *x, *work; /* most complex numbers; work: 3 × most */
+    double lambda;                            /* of the last drag, where the next one starts */
 };
 
 /* ---- Preparation: K, M and their images ---------------------------------------------------------------- */
 
-/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. Returns the largest Σ |a_ij| |base_j|, and
- * that of the direction. */
+/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. Returns the largest Σ |a_ij|
+ * |base_j|, and that of the direction. */
 static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base,
                        double *direction, double *terms_base, double *terms_direction)
 {
@@ -79,24 +83,37 @@ static void rows_apply(const struct sparse *a, const struct deform_problem *prob
     }
 }
 
-/* A(base) = ½ x·M y, and with x + dx w, y + dy w in place of x, y: + ½ dx w·M y - ½ dy w·M x, as w·M w = 0. */
+/* A(base) = ½ x·M y: each pair of coefficients once, as M is antisymmetric. */
+static double area_of(const struct deform_problem *problem)
+{
+    const struct sparse *m = problem->area;
+    const double *base = problem->base;
+    double sum = 0;
+    for (size_t i = 0; i < problem->count; i++) {
+        double x = 0, y = 0;
+        for (size_t k = m->starts[i + 1]; k > m->starts[i] && m->columns[k - 1] > i; k--) {
+            size_t j = m->columns[k - 1];
+            x += m->values[k - 1] * base[2 * j];
+            y += m->values[k - 1] * base[2 * j + 1];
+        }
+        sum += base[2 * i] * y - base[2 * i + 1] * x;
+    }
+    return sum / 2;
+}
+
+/* With x + dx w, y + dy w in place of x, y: A = ½ x·M y + ½ dx w·M y - ½ dy w·M x, as w·M w = 0. */
 static void areas_prepare(struct deform *deform, const struct deform_problem *problem)
 {
     const struct sparse *m = problem->area;
-    double constant = 0, along[2] = {0};
-    for (size_t i = 0; i < problem->count; i++) {
-        double weight = problem->direction ? problem->direction[i] : 0, x = 0, y = 0;
-        for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
-            y += m->values[k] * problem->base[2 * (size_t)m->columns[k] + 1];
-        constant += problem->base[2 * i] * y;
-        if (weight == 0)
-            continue;
-        for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
-            x += m->values[k] * problem->base[2 * (size_t)m->columns[k]];
-        along[0] += weight * y;
-        along[1] -= weight * x;
+    double along[2] = {0};
+    for (size_t i = 0; problem->direction && i < problem->count; i++) {
+        double weight = problem->direction[i];
+        for (size_t k = m->starts[i]; weight != 0 && k < m->starts[i + 1]; k++) {
+            along[0] += weight * m->values[k] * problem->base[2 * (size_t)m->columns[k] + 1];
+            along[1] -= weight * m->values[k] * problem->base[2 * (size_t)m->columns[k]];
+        }
     }
-    deform->constant = constant / 2;
+    deform->constant = area_of(problem);
     deform->along[0] = along[0] / 2;
     deform->along[1] = along[1] / 2;
 }
@@ -107,7 +124,8 @@ static bool energy_make(struct deform *deform, const struct deform_problem *prob
     size_t n = problem->free_count, count = 0;
     struct sparse part = {.rows = 0};
     double alpha = problem->alpha, largest = 0;
-    if (problem->energy && !sparse_select(problem->energy, problem->free, n, problem->free, n, &part, &deform->arena))
+    if (problem->energy &&
+        !sparse_select(problem->energy, problem->free, n, problem->free, n, &part, &deform->arena))
         return false;
     size_t *starts = arena_new(&deform->arena, n + 1, sizeof *starts);
     size_t most = (part.rows ? part.starts[n] : 0) + n;
@@ -152,8 +170,8 @@ static double row_sum(const struct sparse *a, size_t row)
     return sum;
 }
 
-/* M_FF, 0 when it is only what products of filters left of zeros. For |λ| below the least 4α/Σ|M_ij| the matrix is
- * positive definite, for its rows are dominated by K >= 2α. */
+/* M_FF, 0 when it is only what products of filters left of zeros. For |λ| below the least 4α/Σ|M_ij| the
+ * matrix is positive definite, for its rows are dominated by K >= 2α. */
 static bool area_make(struct deform *deform, const struct deform_problem *problem)
 {
     size_t n = problem->free_count;
@@ -434,7 +452,8 @@ static bool sparse_ready(struct deform *deform)
            pencil_sparse_make(&deform->sparse, &deform->energy, &deform->area, deform->order, &deform->arena);
 }
 
-/* Whether K - iλ/2 M is positive definite; a bit further out is tried first, so that the next drag need not ask. */
+/* Whether K - iλ/2 M is positive definite; a bit further out is tried first, so that the next drag need not
+ * ask. */
 static enum sparse_outcome verify(struct deform *deform, double lambda)
 {
     double further = fmin(1.5 * fabs(lambda), (fabs(lambda) + deform->bound) / 2);
@@ -478,9 +497,14 @@ static bool drag_sparse(struct deform *deform, double *delta, struct drag *drag)
     double *workspace = memory_new(deform->count, 6 * sizeof *workspace);
     bool made = workspace && sparse_ready(deform);
     if (made) {
-        struct constraint constraint = {.pencil = pencil_of_sparse(&deform->sparse), .h = deform->h, .b = deform->b,
-                                        .bound = deform->bound, .x = delta, .workspace = workspace,
-                                        .lambda = drag->lambda, .iterations = drag->iterations};
+        struct constraint constraint = {.pencil = pencil_of_sparse(&deform->sparse),
+                                        .h = deform->h,
+                                        .b = deform->b,
+                                        .bound = deform->bound,
+                                        .x = delta,
+                                        .workspace = workspace,
+                                        .lambda = drag->lambda,
+                                        .iterations = drag->iterations};
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
         drag->iterations = constraint.iterations;
@@ -495,9 +519,13 @@ static bool drag_solve(struct deform *deform, const double displacement[2], doub
 {
     for (;;) {
         drag_reduced(deform, displacement);
-        struct constraint constraint = {.pencil = pencil_of_reduced(&deform->reduced), .h = deform->h_reduced,
-                                        .b = deform->b_reduced, .bound = deform->bound, .x = deform->x,
-                                        .workspace = deform->work, .lambda = drag->lambda,
+        struct constraint constraint = {.pencil = pencil_of_reduced(&deform->reduced),
+                                        .h = deform->h_reduced,
+                                        .b = deform->b_reduced,
+                                        .bound = deform->bound,
+                                        .x = deform->x,
+                                        .workspace = deform->work,
+                                        .lambda = drag->lambda,
                                         .iterations = drag->iterations};
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
@@ -508,7 +536,8 @@ static bool drag_solve(struct deform *deform, const double displacement[2], doub
         bool completed = drag->outcome == CONSTRAINT_COMPLETED, blind = drag->outcome == CONSTRAINT_BEYOND;
         if (!blind && equation_holds(deform, delta, drag->lambda, completed)) {
             /* At the singular end itself rounding decides: just inside it the matrix must be definite. */
-            enum sparse_outcome outcome = verify(deform, drag->lambda * (completed ? 1 - TOLERANCE_RADIUS : 1));
+            enum sparse_outcome outcome =
+                verify(deform, drag->lambda * (completed ? 1 - TOLERANCE_RADIUS : 1));
             if (outcome != SPARSE_INDEFINITE)
                 return outcome == SPARSE_DONE;
             blind = true;
@@ -551,7 +580,9 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
 {
     double start = deform->constant + displacement[0] * deform->along[0] + displacement[1] * deform->along[1];
     double size = fmax(fabs(target), fabs(start));
-    struct drag drag = {.goal = target - start, .tolerance = TOLERANCE_CONSTRAINT * size, .lambda = deform->lambda};
+    struct drag drag = {.goal = target - start,
+                        .tolerance = fmax(TOLERANCE_CONSTRAINT * fabs(target), DBL_EPSILON * size),
+                        .lambda = deform->lambda};
     bool near = fabs(target - start) <= TOLERANCE_EQUATION * size;
     *outcome = (struct deform_outcome){.reason = DEFORM_REACHED, .area = start, .global = true};
     drag_full(deform, displacement);
@@ -564,7 +595,8 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
         if (!drag_solve(deform, displacement, deform->delta, &drag))
             return BCIFS_MEMORY;
         deform->lambda = drag.lambda;
-        *outcome = (struct deform_outcome){.reason = drag.outcome == CONSTRAINT_BEYOND ? DEFORM_BEYOND : DEFORM_REACHED,
+        *outcome = (struct deform_outcome){.reason = drag.outcome == CONSTRAINT_BEYOND ? DEFORM_BEYOND
+                                                                                       : DEFORM_REACHED,
                                            .area = start + drag.change,
                                            .multiplier = drag.lambda,
                                            .iterations = drag.iterations,
@@ -600,7 +632,8 @@ static bool vectors_make(struct deform *deform, const struct deform_problem *pro
     return true;
 }
 
-/* A drag as users make them, by a quarter of the curve's size, for the space to be large enough from the start. */
+/* A drag as users make them, by a quarter of the curve's size, for the space to be large enough from the
+ * start. */
 static bcifs_status rehearse(struct deform *deform, const struct deform_problem *problem)
 {
     double least = INFINITY, most = -INFINITY;
@@ -611,9 +644,9 @@ static bcifs_status rehearse(struct deform *deform, const struct deform_problem 
     }
     double step = problem->direction ? (most - least) / 4 : 0;
     double *result = memory_new(deform->count, 2 * sizeof *result);
-    bcifs_status status = result ? deform_solve(deform, (double[2]){step, step / 2}, deform->constant, result,
-                                                &outcome)
-                                 : BCIFS_MEMORY;
+    bcifs_status status =
+        result ? deform_solve(deform, (double[2]){step, step / 2}, deform->constant, result, &outcome)
+               : BCIFS_MEMORY;
     memory_free(result);
     deform->lambda = 0;
     return status;

@@ -5,8 +5,8 @@
 
 #include "numeric/tolerance.h"
 
-bool krylov_make(struct krylov *space, const struct sparse_cholesky *factor, const struct sparse *skew, size_t most,
-                 struct arena *arena)
+bool krylov_make(struct krylov *space, const struct sparse_cholesky *factor, const struct sparse *skew,
+                 size_t most, struct arena *arena)
 {
     *space = (struct krylov){.factor = factor, .skew = skew, .size = skew->rows, .most = most};
     space->basis = arena_new(arena, most, space->size * sizeof *space->basis);
@@ -39,8 +39,8 @@ static double dot(const double *a, const double *b, size_t size)
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-/* v <- v - U (U^T v), twice where the first time left little (Kahan, Parlett); the shares are added to `shares`, `stride`
- * apart (NULL: not wanted). Returns |v|. */
+/* v <- v - U (U^T v), twice where the first time left little (Kahan, Parlett); the shares are added to
+ * `shares`, `stride` apart (NULL: not wanted). Returns |v|. */
 static double orthogonalize(const struct krylov *space, double *v, double *shares, size_t stride)
 {
     size_t size = space->size;

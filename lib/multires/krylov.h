@@ -1,8 +1,8 @@
 /* Krylov: an orthonormal basis of the space that a few vectors and an antisymmetric operator span.
  *
- * The operator is A = L^-1 M L^-T for M antisymmetric and K = L·L^T: in the coordinates L^T x, in which K is the
- * identity. Vectors are taken one by one from the basis, sent through A, made orthogonal to all, and added: the block
- * Lanczos method with full orthogonalization, which drops what depends on the rest. */
+ * The operator is A = L^-1 M L^-T for M antisymmetric and K = L·L^T: in the coordinates L^T x, in which K is
+ * the identity. Vectors are taken one by one from the basis, sent through A, made orthogonal to all, and
+ * added: the block Lanczos method with full orthogonalization, which drops what depends on the rest. */
 #ifndef MULTIRES_KRYLOV_H
 #define MULTIRES_KRYLOV_H
 
@@ -20,8 +20,8 @@ struct krylov {
 };
 
 /* Made in `arena`; false when memory is out. */
-bool krylov_make(struct krylov *space, const struct sparse_cholesky *factor, const struct sparse *skew, size_t most,
-                 struct arena *arena);
+bool krylov_make(struct krylov *space, const struct sparse_cholesky *factor, const struct sparse *skew,
+                 size_t most, struct arena *arena);
 /* Everything: the unit vectors. Needs most >= size. */
 void krylov_fill(struct krylov *space);
 /* Adds the part of `vector` (size numbers; destroyed) that the space lacks, if any and if there is room. */

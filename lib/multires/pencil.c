@@ -40,10 +40,10 @@ void pencil_apply_skew(const struct sparse *m, const double *x, double *y)
     }
 }
 
-/* Row 2i + part of the doubled matrix from rows i of K and M, merged: entries to the arrays from `count` on. Each
- * column holds K_ij at its own part, and θM_ij, negative in imaginary rows, at the other. */
-static size_t double_row(const struct sparse *k, const struct sparse *m, size_t row, struct pencil_sparse *sparse,
-                         uint32_t *columns, size_t count)
+/* Row 2i + part of the doubled matrix from rows i of K and M, merged: entries to the arrays from `count` on.
+ * Each column holds K_ij at its own part, and θM_ij, negative in imaginary rows, at the other. */
+static size_t double_row(const struct sparse *k, const struct sparse *m, size_t row,
+                         struct pencil_sparse *sparse, uint32_t *columns, size_t count)
 {
     size_t i = row / 2, part = row % 2, p = k->starts[i], q = m->starts[i];
     while (p < k->starts[i + 1] || q < m->starts[i + 1]) {

@@ -1,6 +1,6 @@
-/* Pencil: what constraint.h needs of the Hermitian matrices K - iθM, in two shapes: reduced, where K = 1 and -iM = T is a
- * real tridiagonal matrix (numeric/skew.h), and sparse, where they are factored as the real symmetric matrix of
- * twice the size that maps (x, y) to (K x + θM y, K y - θM x). */
+/* Pencil: what constraint.h needs of the Hermitian matrices K - iθM, in two shapes: reduced, where K = 1 and
+ * -iM = T is a real tridiagonal matrix (numeric/skew.h), and sparse, where they are factored as the real
+ * symmetric matrix of twice the size that maps (x, y) to (K x + θM y, K y - θM x). */
 #ifndef MULTIRES_PENCIL_H
 #define MULTIRES_PENCIL_H
 
@@ -24,7 +24,8 @@ struct pencil_sparse {
 };
 
 struct pencil pencil_of_reduced(struct pencil_reduced *reduced);
-/* `order`: of elimination for the pattern of K and M, size indices. Made in `arena`; false when memory is out. */
+/* `order`: of elimination for the pattern of K and M, size indices. Made in `arena`; false when memory is
+ * out. */
 bool pencil_sparse_make(struct pencil_sparse *sparse, const struct sparse *k, const struct sparse *m,
                         const size_t *order, struct arena *arena);
 struct pencil pencil_of_sparse(struct pencil_sparse *sparse);

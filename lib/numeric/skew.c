@@ -6,7 +6,8 @@
 
 /* ---- Reduction ----------------------------------------------------------------------------------------- */
 
-/* v with (1 - v v^T) x = (result, 0, …): `x` (count numbers) becomes v, |v|² = 2; or v = 0 when x is so already. */
+/* v with (1 - v v^T) x = (result, 0, …): `x` (count numbers) becomes v, |v|² = 2; or v = 0 when x is so
+ * already. */
 static double reflection_make(double *x, size_t count)
 {
     double largest = 0, square = 0;
@@ -29,7 +30,8 @@ static double reflection_make(double *x, size_t count)
     return sign * norm * largest;
 }
 
-/* With w = C v: (1 - v v^T) C (1 - v v^T) = C + v w^T - w v^T, for v^T C v = 0. C: count × count in rows of `size`. */
+/* With w = C v: (1 - v v^T) C (1 - v v^T) = C + v w^T - w v^T, for v^T C v = 0. C: count × count in rows of
+ * `size`. */
 static void reflect_both(double *c, size_t count, size_t size, const double *v, double *w)
 {
     for (size_t i = 0; i < count; i++) {

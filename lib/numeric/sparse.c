@@ -53,7 +53,8 @@ static void entries_merge(struct entries *entries, size_t rows)
     entries->starts[rows] = to;
 }
 
-/* Triples by column (two stable passes of counting sort sort them by row, then column): `by_column` their indices. */
+/* Triples by column (two stable passes of counting sort sort them by row, then column): `by_column` their
+ * indices. */
 static void sort_by_column(const struct triple *triples, size_t count, size_t *starts, size_t width,
                            size_t *by_column)
 {
@@ -64,8 +65,8 @@ static void sort_by_column(const struct triple *triples, size_t count, size_t *s
         by_column[starts[triples[k].column]++] = k;
 }
 
-bool sparse_from_triples(struct sparse *a, size_t rows, size_t width, const struct triple *triples, size_t count,
-                         struct arena *arena)
+bool sparse_from_triples(struct sparse *a, size_t rows, size_t width, const struct triple *triples,
+                         size_t count, struct arena *arena)
 {
     struct entries entries;
     size_t *starts = memory_new(width + 1, sizeof *starts);
@@ -101,7 +102,8 @@ bool sparse_transpose(const struct sparse *a, struct sparse *b, struct arena *ar
     for (size_t k = 0; k < a->starts[a->rows]; k++)
         entries.starts[a->columns[k] + 1]++;
     sum_up(entries.starts, a->width);
-    /* Filling row j moves its start to its end, which is the start of j + 1: all move back by one afterwards. */
+    /* Filling row j moves its start to its end, which is the start of j + 1: all move back by one afterwards.
+     */
     for (size_t i = 0; i < a->rows; i++)
         for (size_t k = a->starts[i]; k < a->starts[i + 1]; k++) {
             size_t place = entries.starts[a->columns[k]]++;
@@ -139,8 +141,8 @@ static void columns_sort(uint32_t *columns, size_t count)
     }
 }
 
-/* The columns of row i of A·B, in the order they are met: returns how many. `seen` (B's width) holds i + 1 for those
- * met in row i; `columns` may be NULL. */
+/* The columns of row i of A·B, in the order they are met: returns how many. `seen` (B's width) holds i + 1
+ * for those met in row i; `columns` may be NULL. */
 static size_t product_columns(const struct sparse *a, const struct sparse *b, size_t i, size_t *seen,
                               uint32_t *columns)
 {
@@ -234,7 +236,8 @@ void sparse_apply(const struct sparse *a, const double *x, size_t components, bo
 
 /* ---- Parts --------------------------------------------------------------------------------------------- */
 
-/* Rising indices and, when they are many, the place of each: a search of few costs less than a table of all. */
+/* Rising indices and, when they are many, the place of each: a search of few costs less than a table of all.
+ */
 struct places {
     const size_t *list;
     size_t count;

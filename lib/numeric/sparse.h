@@ -10,7 +10,7 @@
 
 /* Row i holds values[k] in column columns[k], starts[i] <= k < starts[i + 1], columns rising, none twice. */
 struct sparse {
-    size_t rows, width; /* rows × width */
+    size_t rows, width;   /* rows × width */
     const size_t *starts; /* rows + 1 */
     const uint32_t *columns;
     const double *values;
@@ -23,8 +23,8 @@ struct triple {
     size_t row, column;
     double value;
 };
-bool sparse_from_triples(struct sparse *a, size_t rows, size_t width, const struct triple *triples, size_t count,
-                         struct arena *arena);
+bool sparse_from_triples(struct sparse *a, size_t rows, size_t width, const struct triple *triples,
+                         size_t count, struct arena *arena);
 /* B = A^T. */
 bool sparse_transpose(const struct sparse *a, struct sparse *b, struct arena *arena);
 /* C = A·B. Cost and storage follow the entries that are not zero. */

@@ -5,7 +5,8 @@
 
 #include "numeric/tolerance.h"
 
-/* The matrix in the order of elimination, of each row what is left of the diagonal, unsorted, and the diagonal. */
+/* The matrix in the order of elimination, of each row what is left of the diagonal, unsorted, and the
+ * diagonal. */
 struct ordered {
     size_t size;
     size_t *starts; /* size + 1 */
@@ -28,7 +29,8 @@ static bool order_invert(const size_t *order, size_t size, struct arena *arena, 
     return *places != NULL;
 }
 
-static bool ordered_make(struct ordered *lower, const struct sparse *a, const size_t *order, struct arena *arena)
+static bool ordered_make(struct ordered *lower, const struct sparse *a, const size_t *order,
+                         struct arena *arena)
 {
     size_t size = a->rows, most = a->starts[size], count = 0;
     uint32_t *places;
@@ -59,8 +61,8 @@ static bool ordered_make(struct ordered *lower, const struct sparse *a, const si
     return true;
 }
 
-/* parent(j) = the first i > j with L_ij ≠ 0: of each entry (i, j) the root above j gets i as its parent; ancestors
- * found on the way are shortcut to i (Liu 1986). */
+/* parent(j) = the first i > j with L_ij ≠ 0: of each entry (i, j) the root above j gets i as its parent;
+ * ancestors found on the way are shortcut to i (Liu 1986). */
 static void find_parents(struct ordered *lower)
 {
     uint32_t *ancestors = lower->marks;
@@ -80,8 +82,8 @@ static void find_parents(struct ordered *lower)
         lower->marks[i] = NONE;
 }
 
-/* The columns of row i of L left of the diagonal, each before its ancestors: stack[result … size - 1]. They are the
- * paths of the tree from the entries of row i of A up to i. */
+/* The columns of row i of L left of the diagonal, each before its ancestors: stack[result … size - 1]. They
+ * are the paths of the tree from the entries of row i of A up to i. */
 static size_t row_pattern(struct ordered *lower, size_t i)
 {
     size_t top = lower->size;
@@ -98,9 +100,10 @@ static size_t row_pattern(struct ordered *lower, size_t i)
     return top;
 }
 
-/* Room for the columns of L, the diagonal first; `ends`: where column j is filled up to, at first its diagonal. */
-static bool factor_make(struct ordered *lower, struct arena *arena, struct sparse_cholesky *factor, size_t *ends,
-                        uint32_t **rows, double **values)
+/* Room for the columns of L, the diagonal first; `ends`: where column j is filled up to, at first its
+ * diagonal. */
+static bool factor_make(struct ordered *lower, struct arena *arena, struct sparse_cholesky *factor,
+                        size_t *ends, uint32_t **rows, double **values)
 {
     size_t *starts = arena_new(arena, lower->size + 1, sizeof *starts);
     if (!starts)
@@ -123,7 +126,8 @@ static bool factor_make(struct ordered *lower, struct arena *arena, struct spars
     return *rows && *values;
 }
 
-/* Row i of L: solve L x = a_i with the rows above, L_ii = sqrt(a_ii - x·x). `x` (size) is zero before and after. */
+/* Row i of L: solve L x = a_i with the rows above, L_ii = sqrt(a_ii - x·x). `x` (size) is zero before and
+ * after. */
 static bool row_factor(struct ordered *lower, size_t i, size_t *ends, uint32_t *rows, double *values,
                        const size_t *starts, double *x)
 {
@@ -212,7 +216,8 @@ static void solve_upper(const struct sparse_cholesky *factor, double *x, size_t 
     }
 }
 
-void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size_t components,
+                           double *workspace)
 {
     size_t size = factor->size * components;
     for (size_t i = 0; factor->order && i < factor->size; i++)
@@ -223,7 +228,8 @@ void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size
     solve_lower(factor, x, components);
 }
 
-void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size_t components,
+                           double *workspace)
 {
     size_t size = factor->size * components;
     solve_upper(factor, x, components);
@@ -234,7 +240,8 @@ void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size
             x[factor->order[i] * components + c] = workspace[i * components + c];
 }
 
-void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components, double *workspace)
+void sparse_cholesky_solve(const struct sparse_cholesky *factor, double *x, size_t components,
+                           double *workspace)
 {
     sparse_cholesky_lower(factor, x, components, workspace);
     sparse_cholesky_upper(factor, x, components, workspace);

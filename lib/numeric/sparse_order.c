@@ -48,8 +48,8 @@ struct order_work {
     uint32_t *places, *parents, *ancestors, *marks;
 };
 
-/* The elimination tree and the entries of L below the diagonal, row by row along it (as sparse_cholesky.c has it);
- * `limit` when there are no fewer. */
+/* The elimination tree and the entries of L below the diagonal, row by row along it (as sparse_cholesky.c has
+ * it); `limit` when there are no fewer. */
 static size_t count_entries(const struct neighbors *graph, const size_t *order, size_t limit,
                             const struct order_work *work)
 {
@@ -81,8 +81,8 @@ static size_t count_entries(const struct neighbors *graph, const size_t *order, 
 
 /* ---- Cuthill and McKee --------------------------------------------------------------------------------- */
 
-/* Nodes of one component breadth first from `start`, of low degree first: order[count …]; returns the new count.
- * `marks` hold `mark` for nodes that were met. */
+/* Nodes of one component breadth first from `start`, of low degree first: order[count …]; returns the new
+ * count. `marks` hold `mark` for nodes that were met. */
 static size_t walk_breadth(const struct neighbors *graph, size_t start, uint32_t *marks, uint32_t mark,
                            size_t *order, size_t count)
 {
@@ -98,7 +98,8 @@ static size_t walk_breadth(const struct neighbors *graph, size_t start, uint32_t
             marks[neighbor] = mark;
             count++;
             /* A node of very many neighbors is not worth sorting them: all its degrees are then large. */
-            for (; place > first && place < first + 64 && degree(graph, order[place - 1]) > degree(graph, neighbor);
+            for (; place > first && place < first + 64 &&
+                   degree(graph, order[place - 1]) > degree(graph, neighbor);
                  place--)
                 order[place] = order[place - 1];
             order[place] = neighbor;
@@ -127,8 +128,9 @@ static void order_cuthill_mckee(const struct neighbors *graph, uint32_t *marks, 
 
 /* ---- Minimum degree ------------------------------------------------------------------------------------ */
 
-/* The graph of what is left: eliminating a node joins its neighbors to each other. Lists are held as they are, not as
- * cliques, so the work is that of the entries of L, squared where they are many: it is given up beyond a budget. */
+/* The graph of what is left: eliminating a node joins its neighbors to each other. Lists are held as they
+ * are, not as cliques, so the work is that of the entries of L, squared where they are many: it is given up
+ * beyond a budget. */
 struct remaining {
     uint32_t **lists; /* unsorted; eliminated nodes are taken out */
     uint32_t *counts, *capacities;
@@ -169,8 +171,8 @@ static bool remaining_make(struct remaining *left, const struct neighbors *graph
     left->previous = arena_new(arena, size, sizeof *left->previous);
     left->heads = arena_new(arena, size, sizeof *left->heads);
     left->marks = arena_new(arena, size, sizeof *left->marks);
-    if (!left->lists || !left->counts || !left->capacities || !left->next || !left->previous || !left->heads ||
-        !left->marks)
+    if (!left->lists || !left->counts || !left->capacities || !left->next || !left->previous ||
+        !left->heads || !left->marks)
         return false;
     for (size_t i = 0; i < size; i++)
         left->heads[i] = NONE;
@@ -211,8 +213,8 @@ static bool node_join(struct remaining *left, uint32_t node, uint32_t gone, stru
     return true;
 }
 
-/* The node of least degree next, until none is left or the budget is spent: then `order` is not complete. False when
- * memory is out. */
+/* The node of least degree next, until none is left or the budget is spent: then `order` is not complete.
+ * False when memory is out. */
 static bool order_minimum_degree(const struct neighbors *graph, size_t budget, size_t *order, bool *complete)
 {
     struct arena arena = {0};
@@ -241,8 +243,8 @@ static bool order_minimum_degree(const struct neighbors *graph, size_t budget, s
 /* ---- The best ------------------------------------------------------------------------------------------ */
 
 /* Keeps `candidate` in `order` when it makes fewer entries than `*least`. */
-static void order_compare(const struct neighbors *graph, const size_t *candidate, const struct order_work *work,
-                          size_t *least, size_t *order)
+static void order_compare(const struct neighbors *graph, const size_t *candidate,
+                          const struct order_work *work, size_t *least, size_t *order)
 {
     size_t count = count_entries(graph, candidate, *least, work);
     if (count < *least) {
@@ -253,11 +255,12 @@ static void order_compare(const struct neighbors *graph, const size_t *candidate
 
 static bool order_choose(const struct neighbors *graph, struct arena *arena, size_t *order)
 {
-    enum { HOPELESS = 64, GOOD = 2, EFFORT = 16 };
+    enum { HOPELESS = 64, GOOD = 2, FAIR = 4, EFFORT = 512 };
     size_t size = graph->size, entries = graph->starts[size], least = HOPELESS * (entries + size);
     size_t *candidate = arena_new(arena, size, sizeof *candidate);
-    struct order_work work = {arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t)),
-                              arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t))};
+    struct order_work work = {
+        arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t)),
+        arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t))};
     if (!candidate || !work.places || !work.parents || !work.ancestors || !work.marks)
         return false;
     for (size_t i = 0; i < size; i++)
@@ -266,15 +269,21 @@ static bool order_choose(const struct neighbors *graph, struct arena *arena, siz
     for (size_t i = 0; i < size; i++)
         candidate[i] = size - 1 - i;
     order_compare(graph, candidate, &work, &least, order);
-    /* A holds each entry of L twice: at GOOD times its half nothing is to be gained. */
+    /* A holds each of its entries twice. Where L has GOOD times as many nothing is to be gained; up to FAIR
+     * times as many the search for a minimum degree costs more than it saves. */
     if (least <= GOOD * entries / 2)
         return true;
     order_cuthill_mckee(graph, work.marks, candidate);
     order_compare(graph, candidate, &work, &least, order);
-    if (least <= GOOD * entries / 2)
+    if (least <= FAIR * entries / 2)
         return true;
+    /* The work is that of factoring with the degrees it finds: it should not exceed twice that of the best so
+     * far. */
     bool complete;
-    if (!order_minimum_degree(graph, EFFORT * (entries + size) + 4 * least, candidate, &complete))
+    double work_best = 2 * (double)least * (double)least / (double)size,
+           work_most = EFFORT * (double)(entries + size);
+    if (!order_minimum_degree(graph, (size_t)(work_best < work_most ? work_best : work_most), candidate,
+                              &complete))
         return false;
     if (complete)
         order_compare(graph, candidate, &work, &least, order);

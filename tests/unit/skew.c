@@ -1,5 +1,5 @@
-/* Antisymmetric matrices: the reduction against C = Q S Q^T, equations against their residuals, and the interval of
- * positive definiteness against eigenvalues known from Chebyshev's polynomials. */
+/* Antisymmetric matrices: the reduction against C = Q S Q^T, equations against their residuals, and the
+ * interval of positive definiteness against eigenvalues known from Chebyshev's polynomials. */
 #include <math.h>
 #include <string.h>
 
@@ -73,7 +73,8 @@ static void test_reduction(void)
 }
 
 /* (1 - iθS) y = g through D (1 + θT) D*: the residual with S itself, complex. */
-static double equation_residual(const double *side, size_t size, double theta, const double *g, const double *y)
+static double equation_residual(const double *side, size_t size, double theta, const double *g,
+                                const double *y)
 {
     double worst = 0;
     for (size_t i = 0; i < size; i++) {

@@ -1,5 +1,5 @@
-/* Sparse matrices against dense ones that are made from the same triples, and Cholesky factors against A = L·L^T,
- * residuals, and the fill-in that is known for bands with corners and for trees. */
+/* Sparse matrices against dense ones that are made from the same triples, and Cholesky factors against A =
+ * L·L^T, residuals, and the fill-in that is known for bands with corners and for trees. */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +22,8 @@ static double number(void)
 }
 
 /* A random matrix and the same dense, rows × width, summed in the order of the triples. */
-static struct sparse random_sparse(size_t rows, size_t width, size_t count, double *dense, struct arena *arena)
+static struct sparse random_sparse(size_t rows, size_t width, size_t count, double *dense,
+                                   struct arena *arena)
 {
     struct triple triples[4 * MOST];
     struct sparse a = {0};
@@ -119,8 +120,8 @@ static void test_algebra(void)
         size_t rows = 1 + below(MOST), inner = 1 + below(MOST), columns = 1 + below(MOST);
         struct sparse a = random_sparse(rows, inner, below(4 * MOST), x, &arena);
         struct sparse b = random_sparse(inner, columns, below(4 * MOST), y, &arena);
-        bool holds = is_equal(&a, x) && product_holds(&a, x, &b, y, &arena) && transpose_holds(&a, x, &arena) &&
-                     select_holds(&a, x, &arena);
+        bool holds = is_equal(&a, x) && product_holds(&a, x, &b, y, &arena) &&
+                     transpose_holds(&a, x, &arena) && select_holds(&a, x, &arena);
         for (size_t components = 1; components <= 3; components++)
             holds = holds && apply_holds(&a, x, components);
         if (!holds && ++failures < 5)
@@ -179,12 +180,14 @@ static double factor_error(const struct sparse *a, const struct sparse_cholesky 
             double difference = -sparse_entry(a, row, column);
             for (size_t k = 0; k < size; k++)
                 difference += l[i * size + k] * l[j * size + k];
-            worst = fmax(worst, fabs(difference) / sqrt(sparse_entry(a, row, row) * sparse_entry(a, column, column)));
+            worst = fmax(worst, fabs(difference) /
+                                    sqrt(sparse_entry(a, row, row) * sparse_entry(a, column, column)));
         }
     return worst;
 }
 
-static double solution_error(const struct sparse *a, const struct sparse_cholesky *factor, struct arena *arena)
+static double solution_error(const struct sparse *a, const struct sparse_cholesky *factor,
+                             struct arena *arena)
 {
     enum { COMPONENTS = 3 };
     size_t count = a->rows * COMPONENTS;
@@ -275,7 +278,29 @@ static struct sparse band(size_t size, size_t reach, bool shuffled, struct arena
     return a;
 }
 
-/* A dyadic hierarchy, coarse first: a detail of level k is coupled with those around it on all levels above. */
+/* The five-point star on side × side nodes. */
+static struct sparse grid(size_t side, struct arena *arena)
+{
+    size_t size = side * side, count = 0;
+    struct triple *triples = arena_new(arena, 5 * size, sizeof *triples);
+    struct sparse a = {0};
+    for (size_t i = 0; i < size; i++) {
+        triples[count++] = (struct triple){i, i, 5};
+        if (i % side + 1 < side) {
+            triples[count++] = (struct triple){i, i + 1, -1};
+            triples[count++] = (struct triple){i + 1, i, -1};
+        }
+        if (i + side < size) {
+            triples[count++] = (struct triple){i, i + side, -1};
+            triples[count++] = (struct triple){i + side, i, -1};
+        }
+    }
+    sparse_from_triples(&a, size, size, triples, count, arena);
+    return a;
+}
+
+/* A dyadic hierarchy, coarse first: a detail of level k is coupled with those around it on all levels above.
+ */
 static struct sparse hierarchy(size_t levels, struct arena *arena)
 {
     size_t size = (size_t)1 << levels, count = 0;
@@ -310,11 +335,14 @@ static void test_fill(void)
 {
     struct arena arena = {0};
     struct sparse a = band(20000, 2, false, &arena), b = band(20000, 2, true, &arena);
-    struct sparse c = hierarchy(13, &arena);
+    struct sparse c = hierarchy(13, &arena), e = grid(60, &arena);
     double plain = fill(&a, &arena), shuffled = fill(&b, &arena), fine = fill(&c, &arena);
     ok(plain <= 2, "a closed band fills at most twice (%.3f)", plain);
     ok(shuffled <= 3, "so does one whose rows are shuffled, nearly (%.3f)", shuffled);
     ok(fine <= 1, "a hierarchy does not fill at all (%.3f)", fine);
+    /* Bands fill side/2 times, 30, or two thirds of that along diagonals; minimum degree does much better. */
+    double planar = fill(&e, &arena);
+    ok(planar < 10, "a grid fills little (%.3f)", planar);
     arena_free(&arena);
 }
 
