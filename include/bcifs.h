@@ -143,6 +143,12 @@ BCIFS_PUBLIC bcifs_status bcifs_check_require(const bcifs_check *check, const bc
 BCIFS_PUBLIC size_t bcifs_check_equation_count(const bcifs_check *check);
 BCIFS_PUBLIC const bcifs_equation *bcifs_check_equation(const bcifs_check *check, size_t index);
 
+/* Verifies the filters that the file declares (`wavelet`) against the refinement matrices of their states, exactly where
+ * they are rational, for the params' values. BCIFS_INPUT: some do not fit, or cannot be undone; the message shows the
+ * product. `options` (may be NULL) is used for its reporter. */
+BCIFS_PUBLIC bcifs_status bcifs_check_filters(const bcifs_automaton *automaton, const bcifs_load_options *options,
+                                              bcifs_error *error);
+
 /* Bounds of the joint spectral radius of the linear parts of all maps, for the params' values: below 1 the
  * automaton is contractive. Rounding is accounted for. `upper` is infinite when nothing bounds it. `product`, the word
  * of maps that attains `lower` ("arc: 0 1"), is valid as long as the check. */

@@ -31,6 +31,8 @@ static int run(const struct arguments *arguments)
     int written = EXIT_YES;
     if (arguments->json || !arguments->quiet || arguments->output)
         written = text_output(arguments, arguments->json ? bcifs_check_json(check) : bcifs_check_text(check));
+    if (bcifs_check_valid(check) && written == EXIT_YES)
+        written = exit_of(bcifs_check_filters(automaton, &options, &error));
     bcifs_check_free(check);
     bcifs_automaton_free(automaton);
     return written ? written : status;
@@ -50,7 +52,8 @@ const struct command command_check = {
     .usage = "FILE [options]",
     .summary = "proves the barycentric, incidence and adjacency equations of every state",
     .text = "An equation whose entries are rational in params and arguments is proved or refuted exactly, for\n"
-            "all their values at once. A refuted one is shown: both sides and the values where they differ.\n",
+            "all their values at once. A refuted one is shown: both sides and the values where they differ.\n"
+            "Filters that the file declares are verified, too; wrong ones are an error.\n",
     .options = options_list,
     .run = run,
 };

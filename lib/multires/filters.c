@@ -575,8 +575,12 @@ bcifs_status filters_declared(const bcifs_automaton *automaton, const struct def
     struct declaration declaration = {.report = report};
     *declared = NULL;
     declaration.syntax = wavelet_of(automaton, definition, &declaration.module);
-    if (!declaration.syntax || definition->argument_count > 0)
+    if (!declaration.syntax)
         return BCIFS_OK;
+    if (definition->argument_count > 0)
+        return report_error(report, declaration.module->source, declaration.syntax->place,
+                            "filters are for states without arguments; '%s' takes %zu", definition->name,
+                            definition->argument_count);
     bcifs_status status = declaration_read(&declaration, automaton, definition, arena);
     struct declared_filters *fresh = arena_new(arena, 1, sizeof *fresh);
     if (status || !fresh)
@@ -607,4 +611,18 @@ bcifs_status filters_apply_declared(const struct stencil *refinement, const stru
         .refinement = refinement, .height = 2, .details = &detail, .detail_count = 1};
     *found = pattern_repeats(refinement) && refinement->runs[0].height == 2;
     return *found ? filters_build(&pattern, &smooth, &wavelet, arena, filters) : BCIFS_OK;
+}
+
+bcifs_status bcifs_check_filters(const bcifs_automaton *automaton, const bcifs_load_options *options,
+                                 bcifs_error *error)
+{
+    struct report report = report_new(options);
+    struct arena arena = {0};
+    bcifs_status status = BCIFS_OK;
+    for (size_t i = 0; i < automaton->definition_count && status != BCIFS_MEMORY && !report_is_full(&report); i++) {
+        const struct declared_filters *declared;
+        status = filters_declared(automaton, automaton->definitions[i], &arena, &report, &declared);
+    }
+    arena_free(&arena);
+    return report_close(&report, error);
 }

@@ -166,7 +166,11 @@ static enum sparse_outcome factor_ordered(struct ordered *lower, struct arena *a
     for (size_t i = 0; i < lower->size; i++)
         if (!row_factor(lower, i, ends, rows, values, factor->starts, x))
             return SPARSE_INDEFINITE;
-    return SPARSE_DONE;
+    double *inverses = arena_new(arena, lower->size, sizeof *inverses);
+    factor->inverses = inverses;
+    for (size_t j = 0; inverses && j < lower->size; j++)
+        inverses[j] = 1 / values[factor->starts[j]];
+    return inverses ? SPARSE_DONE : SPARSE_MEMORY;
 }
 
 enum sparse_outcome sparse_cholesky_factor(const struct sparse *a, const size_t *order, struct arena *arena,
@@ -191,7 +195,7 @@ static void solve_lower(const struct sparse_cholesky *factor, double *x, size_t 
         size_t k = factor->starts[j], end = factor->starts[j + 1];
         double *solved = x + j * components;
         for (size_t c = 0; c < components; c++)
-            solved[c] /= factor->values[k];
+            solved[c] *= factor->inverses[j];
         while (++k < end) {
             double *below = x + factor->rows[k] * components;
             for (size_t c = 0; c < components; c++)
@@ -204,15 +208,41 @@ static void solve_lower(const struct sparse_cholesky *factor, double *x, size_t 
 static void solve_upper(const struct sparse_cholesky *factor, double *x, size_t components)
 {
     for (size_t j = factor->size; j-- > 0;) {
-        size_t start = factor->starts[j];
         double *solved = x + j * components;
-        for (size_t k = start + 1; k < factor->starts[j + 1]; k++) {
+        for (size_t k = factor->starts[j] + 1; k < factor->starts[j + 1]; k++) {
             const double *below = x + factor->rows[k] * components;
             for (size_t c = 0; c < components; c++)
                 solved[c] -= factor->values[k] * below[c];
         }
         for (size_t c = 0; c < components; c++)
-            solved[c] /= factor->values[start];
+            solved[c] *= factor->inverses[j];
+    }
+}
+
+/* The same for planar points, whose sums stay in registers. */
+static void solve_lower_planar(const struct sparse_cholesky *factor, double *x)
+{
+    for (size_t j = 0; j < factor->size; j++) {
+        double u = x[2 * j] *= factor->inverses[j], v = x[2 * j + 1] *= factor->inverses[j];
+        for (size_t k = factor->starts[j] + 1; k < factor->starts[j + 1]; k++) {
+            double *below = x + 2 * (size_t)factor->rows[k];
+            below[0] -= factor->values[k] * u;
+            below[1] -= factor->values[k] * v;
+        }
+    }
+}
+
+static void solve_upper_planar(const struct sparse_cholesky *factor, double *x)
+{
+    for (size_t j = factor->size; j-- > 0;) {
+        double u = x[2 * j], v = x[2 * j + 1];
+        for (size_t k = factor->starts[j] + 1; k < factor->starts[j + 1]; k++) {
+            const double *below = x + 2 * (size_t)factor->rows[k];
+            u -= factor->values[k] * below[0];
+            v -= factor->values[k] * below[1];
+        }
+        x[2 * j] = u * factor->inverses[j];
+        x[2 * j + 1] = v * factor->inverses[j];
     }
 }
 
@@ -225,14 +255,20 @@ void sparse_cholesky_lower(const struct sparse_cholesky *factor, double *x, size
             workspace[i * components + c] = x[factor->order[i] * components + c];
     if (factor->order && size > 0)
         memcpy(x, workspace, size * sizeof *x);
-    solve_lower(factor, x, components);
+    if (components == 2)
+        solve_lower_planar(factor, x);
+    else
+        solve_lower(factor, x, components);
 }
 
 void sparse_cholesky_upper(const struct sparse_cholesky *factor, double *x, size_t components,
                            double *workspace)
 {
     size_t size = factor->size * components;
-    solve_upper(factor, x, components);
+    if (components == 2)
+        solve_upper_planar(factor, x);
+    else
+        solve_upper(factor, x, components);
     if (factor->order && size > 0)
         memcpy(workspace, x, size * sizeof *x);
     for (size_t i = 0; factor->order && i < factor->size; i++)

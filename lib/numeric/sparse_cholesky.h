@@ -14,6 +14,7 @@ struct sparse_cholesky {
     const size_t *starts; /* L^T by rows, that is L by columns; the diagonal first */
     const uint32_t *rows;
     const double *values;
+    const double *inverses; /* 1/L_jj: solutions multiply where a division would make them wait */
 };
 
 enum sparse_outcome { SPARSE_DONE, SPARSE_INDEFINITE, SPARSE_MEMORY };

@@ -230,6 +230,14 @@ void stencil_apply_transposed(const struct stencil *stencil, const double *x, si
                              *in = x + (run->row + k * run->height + r) * components;
                 ptrdiff_t column = (ptrdiff_t)(run->column + k * run->step) + row->offset;
                 bool wraps = k < first || k >= last;
+                if (components == 2 && !wraps) {
+                    double *out = y + 2 * column;
+                    for (size_t j = 0; j < row->length; j++) {
+                        out[2 * j] += weights[j] * in[0];
+                        out[2 * j + 1] += weights[j] * in[1];
+                    }
+                    continue;
+                }
                 for (size_t j = 0; j < row->length; j++) {
                     size_t place = wraps ? column_wrap(column + (ptrdiff_t)j, stencil->width)
                                          : (size_t)column + j;
