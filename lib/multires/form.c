@@ -223,7 +223,7 @@ static bcifs_status energy_find(struct search *search, size_t c)
         "its second derivative is not square-integrable",
         "it is not decided whether its second derivative is square-integrable",
         "N³ Σ T·Tᵀ on what vanishes on 1, t and t²"};
-    bool go_on;
+    bool go_on, determined;
     bcifs_status status = reproduction_judge(search, c, &go_on);
     if (status || !go_on)
         return status;
@@ -238,7 +238,9 @@ static bcifs_status energy_find(struct search *search, size_t c)
     if (status || !go_on)
         return status;
     status = derivatives_join(search->states, &search->reach, &search->moments, c, &search->own, search->starts,
-                              search->ends, &go_on);
+                              search->ends, &determined, &go_on);
+    if (status == BCIFS_OK && !determined)
+        return reason_give(search, c, "the equations of its derivatives at the ends have no single solution");
     if (status == BCIFS_OK && !go_on)
         return reason_give(search, c, "its second derivative is not square-integrable: the first one jumps where "
                                       "two children meet");

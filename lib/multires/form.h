@@ -6,7 +6,10 @@
  * whose control points have the coordinates X, Y contributes ½ X m Y^T to the area.
  *
  * The energy ∫|c''|² of a piece of unit parameter length is X h X^T + Y h Y^T: h_x = N³ Σ T_i h_{y_i} T_i^T, zero on
- * constants and on the parameter, normalized on t². */
+ * constants and on the parameter, normalized on t².
+ *
+ * Both exist where a spectral radius is certified to be below 1, and the energy where, besides, t² is reproduced and
+ * derivatives agree at the joints of children (docs/mathematics.md, "Area and energy"). */
 #ifndef MULTIRES_FORM_H
 #define MULTIRES_FORM_H
 
@@ -15,8 +18,8 @@
 /* Per state of a table: its form, or why it has none. */
 struct form {
     const struct value *values; /* points × points, row after row; NULL: there is none, see `reason` */
-    const double *numbers;      /* the same in doubles, pinned to the nearest where exact */
-    bool exact;                 /* every entry is */
+    const double *numbers;      /* the same in doubles, the nearest where a fraction is recovered from the value */
+    bool exact;                 /* every entry is known in the prime field */
     const char *reason;         /* in words: "the areas of its parts do not converge: …"; NULL when there is a form */
 };
 
@@ -32,7 +35,7 @@ bcifs_status forms_area(struct states *states, const size_t *list, size_t count,
                         const struct form **forms);
 bcifs_status forms_energy(struct states *states, const size_t *list, size_t count, struct arena *arena,
                           const struct form **forms);
-/* H(0) and H(1) of an edge state. */
+/* H(0) and H(1) of an edge state; BCIFS_INPUT, reported, where a vertex has no single limit point. */
 bcifs_status form_ends_find(struct states *states, size_t state, struct arena *arena, struct form_ends *ends);
 
 #endif

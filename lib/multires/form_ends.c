@@ -76,7 +76,8 @@ static bcifs_status cycle_limit(struct states *states, const struct vertex_walk 
     if (status)
         return status;
     if (free != 1)
-        return states_limit_refuse(states, walk->visited[walk->cycle], "its map fixes more than one point");
+        return states_limit_refuse(states, walk->visited[walk->cycle],
+                                   free ? "its map fixes more than one point" : "its map fixes no point");
     for (size_t i = walk->cycle; i-- > 0;) {
         limit = value_matrix_multiply(arena, first_map(states, walk->visited[i]), limit);
         if (!limit)

@@ -23,6 +23,7 @@ bcifs_status moments_find(const struct states *states, const struct reach *reach
  * hold those of children's components and receive the component's own. */
 bcifs_status derivatives_join(const struct states *states, const struct reach *reach,
                               const struct moments *moments, size_t c, struct arena *arena,
-                              const struct value **starts, const struct value **ends, bool *agree);
+                              const struct value **starts, const struct value **ends, bool *determined,
+                              bool *agree);
 
 #endif

@@ -1,5 +1,6 @@
 #include "multires/similar.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "numeric/enclosure.h"
@@ -9,6 +10,7 @@
 
 enum { MOST_SQUARINGS = 12 };
 static const double LARGEST_POWER = 1e100; /* squares of what is larger might overflow */
+static const double LARGEST_RATIO = 1e6;
 
 /* ---- Frames -------------------------------------------------------------------------------------------- */
 
@@ -68,6 +70,19 @@ static size_t support_find(const struct value *phi, size_t count, size_t *places
     return support;
 }
 
+/* A ratio of numbers known in doubles that is nearly an integer is that integer: functionals are constant on the
+ * differences of subdivision masks. */
+static struct value ratio_make(struct value a, struct value b)
+{
+    struct value ratio = value_divide(a, b);
+    double nearest = nearbyint(ratio.real);
+    if (!ratio.exact && fabs(nearest) < LARGEST_RATIO &&
+        fabs(ratio.real - nearest) <= TOLERANCE_REPRODUCTION * fabs(nearest))
+        ratio = value_from_integer((int64_t)nearest);
+    value_pin(&ratio, 0);
+    return ratio;
+}
+
 /* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with coordinates w
  * has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
 bcifs_status frame_cut(struct frame *frame, const struct value *functional, struct arena *arena)
@@ -89,8 +104,7 @@ bcifs_status frame_cut(struct frame *frame, const struct value *functional, stru
         struct value last = ratio;
         if (a + 1 == support)
             continue;
-        ratio = a < support ? value_divide(phi[place], phi[follower]) : value_from_integer(0);
-        value_pin(&ratio, 0);
+        ratio = a < support ? ratio_make(phi[place], phi[follower]) : value_from_integer(0);
         for (size_t i = 0; i < points; i++) {
             const struct value *row = &frame->basis[i * count];
             struct value coordinate = frame->coordinates[place * points + i];
@@ -111,52 +125,73 @@ bcifs_status frame_cut(struct frame *frame, const struct value *functional, stru
 
 /* ---- The operator -------------------------------------------------------------------------------------- */
 
-/* A map between frames, with the sums of the sizes of its entries' terms. */
+/* A map between frames; errors[i] bounds how far values[i].real may be off. */
 struct restricted {
     size_t rows, columns;
     struct value *values;
-    double *sizes;
+    double *errors;
 };
+
+/* C = A·B with bounds of errors; A is rows × inner, B inner × columns. The errors of A and B, too, may be NULL: entries
+ * are then what they are, up to their rounding when they are not exact. */
+static void product_bounded(const struct value *a, const double *error_a, const struct value *b,
+                            const double *error_b, size_t inner, struct restricted *c)
+{
+    double unit = (double)(inner + 4) * DBL_EPSILON;
+    for (size_t i = 0; i < c->rows; i++)
+        for (size_t j = 0; j < c->columns; j++) {
+            struct value sum = value_from_integer(0);
+            double error = 0;
+            for (size_t k = 0; k < inner; k++) {
+                struct value x = a[i * inner + k], y = b[k * c->columns + j], term = value_multiply(x, y);
+                double off_x = error_a ? error_a[i * inner + k] : 0, off_y = error_b ? error_b[k * c->columns + j] : 0;
+                sum = value_add(sum, term);
+                error += off_x * (fabs(y.real) + off_y) + fabs(x.real) * off_y + unit * fabs(term.real);
+            }
+            c->values[i * c->columns + j] = sum;
+            c->errors[i * c->columns + j] = value_pin(&c->values[i * c->columns + j], error);
+        }
+}
+
+/* What the entries of a frame may be off: those that were solved for in doubles are good to TOLERANCE_EQUATION. */
+static double *frame_errors(const struct value *values, size_t count, struct arena *arena)
+{
+    double *errors = arena_new(arena, count, sizeof *errors);
+    for (size_t i = 0; errors && i < count; i++)
+        errors[i] = values[i].exact ? 0 : TOLERANCE_EQUATION * fabs(values[i].real);
+    return errors;
+}
+
+static bcifs_status restricted_new(size_t rows, size_t columns, struct arena *arena, struct restricted *r)
+{
+    *r = (struct restricted){rows, columns, arena_new(arena, rows * columns, sizeof *r->values),
+                             arena_new(arena, rows * columns, sizeof *r->errors)};
+    return r->values && r->errors ? BCIFS_OK : BCIFS_MEMORY;
+}
 
 /* R = L_x T B_y, so that T B_y = B_x R. */
 static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from, const struct frame *to,
                                  struct arena *arena, struct restricted *r)
 {
-    size_t rows = from->dimension, columns = to->dimension;
-    struct value *image = zeros_new(arena, map->rows * columns);
-    double *sizes = arena_new(arena, map->rows * columns, sizeof *sizes);
-    *r = (struct restricted){rows, columns, zeros_new(arena, rows * columns),
-                             arena_new(arena, rows * columns, sizeof *r->sizes)};
-    if (!image || !sizes || !r->values || !r->sizes)
-        return BCIFS_MEMORY;
-    for (size_t i = 0; i < map->rows; i++)
-        for (size_t k = 0; k < map->columns; k++)
-            for (size_t b = 0; b < columns; b++) {
-                struct value term = value_multiply(map->values[i * map->columns + k], to->basis[k * columns + b]);
-                image[i * columns + b] = value_add(image[i * columns + b], term);
-                sizes[i * columns + b] += fabs(term.real);
-            }
-    for (size_t a = 0; a < rows; a++)
-        for (size_t i = 0; i < map->rows; i++)
-            for (size_t b = 0; b < columns; b++) {
-                struct value factor = from->coordinates[a * map->rows + i];
-                struct value term = value_multiply(factor, image[i * columns + b]);
-                r->values[a * columns + b] = value_add(r->values[a * columns + b], term);
-                r->sizes[a * columns + b] += fabs(factor.real) * sizes[i * columns + b];
-            }
-    values_pin(r->values, rows * columns);
-    for (size_t i = 0; i < rows * columns; i++) /* nothing is lost where fractions were recovered */
-        if (r->values[i].exact && value_pin(&r->values[i], 1) < 1)
-            r->sizes[i] = fabs(r->values[i].real);
+    struct restricted image;
+    bcifs_status status = restricted_new(map->rows, to->dimension, arena, &image);
+    if (status == BCIFS_OK)
+        status = restricted_new(from->dimension, to->dimension, arena, r);
+    double *error_b = frame_errors(to->basis, map->columns * to->dimension, arena);
+    double *error_l = frame_errors(from->coordinates, from->dimension * map->rows, arena);
+    if (status || !error_b || !error_l)
+        return status ? status : BCIFS_MEMORY;
+    product_bounded(map->values, NULL, to->basis, error_b, map->columns, &image);
+    product_bounded(from->coordinates, error_l, image.values, image.errors, map->rows, r);
     return BCIFS_OK;
 }
 
-/* The matrix of the operator on the entries of all forms, with the sizes of its entries' terms. */
+/* The matrix of the operator on the entries of all forms, with bounds of its errors. */
 struct operator {
     size_t count;
     size_t *base; /* first entry of each place; of members only */
     struct value *values;
-    double *sizes;
+    double *errors;
 };
 
 /* Entries c_ab with a < b, and a = b of symmetric forms. */
@@ -179,22 +214,28 @@ size_t similar_unknowns(const struct similar *similar)
     return count;
 }
 
+/* The product of two entries of R, and how far off it is. */
+static struct value entries_multiply(const struct restricted *r, size_t i, size_t j, double *error)
+{
+    double x = fabs(r->values[i].real), y = fabs(r->values[j].real);
+    *error += r->errors[i] * (y + r->errors[j]) + x * r->errors[j] + 4 * DBL_EPSILON * x * y;
+    return value_multiply(r->values[i], r->values[j]);
+}
+
 /* What c_cd of the child adds to entry (a, b): R_ac R_bd ± R_ad R_bc. */
 static void entry_add(struct operator *operator, size_t row, size_t column, struct value factor,
                       const struct restricted *r, const size_t ab[2], const size_t cd[2], int sign)
 {
-    size_t n = r->columns, ac = ab[0] * n + cd[0], bd = ab[1] * n + cd[1], ad = ab[0] * n + cd[1],
-           bc = ab[1] * n + cd[0];
-    struct value sum = value_multiply(r->values[ac], r->values[bd]);
-    double size = r->sizes[ac] * r->sizes[bd];
+    size_t n = r->columns, index = row * operator->count + column;
+    double error = 0;
+    struct value sum = entries_multiply(r, ab[0] * n + cd[0], ab[1] * n + cd[1], &error);
     if (cd[0] != cd[1]) {
-        struct value other = value_multiply(r->values[ad], r->values[bc]);
+        struct value other = entries_multiply(r, ab[0] * n + cd[1], ab[1] * n + cd[0], &error);
         sum = sign < 0 ? value_subtract(sum, other) : value_add(sum, other);
-        size += r->sizes[ad] * r->sizes[bc];
     }
-    size_t index = row * operator->count + column;
-    operator->values[index] = value_add(operator->values[index], value_multiply(factor, sum));
-    operator->sizes[index] += factor.real * size;
+    sum = value_add(operator->values[index], value_multiply(factor, sum));
+    operator->values[index] = sum;
+    operator->errors[index] += factor.real * error + 4 * DBL_EPSILON * fabs(sum.real);
 }
 
 static void map_add(struct operator *operator, const struct similar *similar, size_t x, size_t y,
@@ -218,7 +259,7 @@ static bcifs_status operator_make(const struct similar *similar, struct arena *a
     size_t count = similar_unknowns(similar), next = 0;
     *operator = (struct operator){count, arena_new(arena, reach->count, sizeof(size_t)),
                                 zeros_new(arena, count * count), arena_new(arena, count * count, sizeof(double))};
-    if (!operator->base || !operator->values || !operator->sizes)
+    if (!operator->base || !operator->values || !operator->errors)
         return BCIFS_MEMORY;
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
         operator->base[reach->members[k]] = next;
@@ -240,7 +281,8 @@ static bcifs_status operator_make(const struct similar *similar, struct arena *a
             map_add(operator, similar, x, y, &r, factor);
         }
     }
-    values_pin(operator->values, count * count);
+    for (size_t i = 0; i < count * count; i++)
+        operator->errors[i] = value_pin(&operator->values[i], operator->errors[i]);
     return BCIFS_OK;
 }
 
@@ -294,15 +336,12 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
     if (status)
         return status;
     size_t count = operator.count;
-    double *matrix = arena_new(arena, count * count, sizeof *matrix);
-    double *error = arena_new(arena, count * count, sizeof *error);
+    double *matrix = arena_new(arena, count * count, sizeof *matrix), *error = operator.errors;
     bool finite = true;
-    if (!matrix || !error)
+    if (!matrix)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
-        struct value entry = operator.values[i]; /* pinned already; this asks for its error */
-        error[i] = value_pin(&entry, 4 * TOLERANCE_EQUATION * operator.sizes[i]); /* two factors, and the sums */
-        matrix[i] = entry.real;
+        matrix[i] = operator.values[i].real;
         finite = finite && isfinite(matrix[i]) && isfinite(error[i]);
     }
     *lower = 0;

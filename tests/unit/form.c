@@ -481,6 +481,44 @@ static void test_energy_four_point(void)
     forms_close(&forms);
 }
 
+/* Daubechies' scaling functions D4, D5, D10 (1988), to 19 digits. */
+static const char *const daubechies[] = {
+    "-0.01498698933036147245 0.04650360107098176461 0.04361630047417725266 -0.2645071673690397361 "
+    "-0.03957502623564464310 0.8922001382467596232 1.010945715091828863 0.3258034280512983483",
+    "0.004717427939067871525 -0.01779187010195419148 -0.008826800108358254544 0.1097026586421336470 "
+    "-0.04560113188354729748 -0.3426567153829348864 0.1957669613478093481 1.024326944259197073 "
+    "0.8539435427050283324 0.2264189825835583576",
+    "-0.00001875841562750040834 0.0001323543668511067664 -0.0001647090060907779551 "
+    "-0.0009699478398564109630 0.002817686590194676211 0.001973325364963205188 -0.01517900233585649879 "
+    "0.005100436967814477465 0.04696981409739712169 -0.04165924808760161396 -0.1009665711967794341 "
+    "0.1316029871010700146 0.1801274485333933327 -0.2771098787209663057 -0.3533362017941126005 "
+    "0.3976377417690173790 0.9736281107336398914 0.7455750714864667698 0.2661221827938417898 "
+    "0.03771715759224137777",
+};
+
+/* Their Sobolev exponents are 1.775, 2.096 and 3.36 (as tabulated by T. Eirola, 1992): ∫|c''|² exists from D5 on. For
+ * D4 the radius is 2^(2(2 - 1.775)) = 1.366. */
+static void test_daubechies(void)
+{
+    for (size_t i = 0; i < 3; i++) {
+        char text[800];
+        struct forms forms;
+        snprintf(text, sizeof text, "automaton t\nedge arc { mask 2 [ %s ] }\n", daubechies[i]);
+        bool good = forms_open(&forms, text, NULL, false);
+        ok(good && area_holds(&forms, state_named(&forms, "arc")), "a filter of Daubechies' has an area, %.3f s",
+           forms.seconds);
+        forms_close(&forms);
+        good = forms_open(&forms, text, NULL, true);
+        const struct form *form = form_named(&forms, "arc");
+        if (i == 0)
+            ok(good && has_reason(form, "is 1.36"), "D4 has no energy");
+        else
+            ok(good && form && form->values && !form->exact, "but this one has: %s",
+               form && form->reason ? form->reason : "");
+        forms_close(&forms);
+    }
+}
+
 static void test_energy_refused(void)
 {
     static const struct {
@@ -553,6 +591,7 @@ int main(void)
     test_energy_known();
     test_nonuniform(true);
     test_energy_four_point();
+    test_daubechies();
     test_energy_refused();
     test_ends();
     return done_testing();
