@@ -47,9 +47,8 @@ static bcifs_status functional_restrict(const struct frame *frame, const struct 
     *restricted = zeros_new(arena, frame->dimension);
     for (size_t i = 0; *restricted && i < frame->points; i++)
         for (size_t k = 0; k < frame->dimension; k++)
-            (*restricted)[k] =
-                value_add((*restricted)[k],
-                          value_multiply(functional[i], frame->basis[i * frame->dimension + k]));
+            (*restricted)[k] = value_add(
+                (*restricted)[k], value_multiply(functional[i], frame->basis[i * frame->dimension + k]));
     return *restricted ? BCIFS_OK : BCIFS_MEMORY;
 }
 
@@ -70,8 +69,8 @@ static size_t support_find(const struct value *phi, size_t count, size_t *places
     return support;
 }
 
-/* A ratio of numbers known in doubles that is nearly an integer is that integer: functionals are constant on the
- * differences of subdivision masks. */
+/* A ratio of numbers known in doubles that is nearly an integer is that integer: functionals are constant on
+ * the differences of subdivision masks. */
 static struct value ratio_make(struct value a, struct value b)
 {
     struct value ratio = value_divide(a, b);
@@ -83,8 +82,8 @@ static struct value ratio_make(struct value a, struct value b)
     return ratio;
 }
 
-/* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with coordinates w
- * has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
+/* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with
+ * coordinates w has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
 bcifs_status frame_cut(struct frame *frame, const struct value *functional, struct arena *arena)
 {
     struct value *phi;
@@ -109,8 +108,7 @@ bcifs_status frame_cut(struct frame *frame, const struct value *functional, stru
             const struct value *row = &frame->basis[i * count];
             struct value coordinate = frame->coordinates[place * points + i];
             if (a < support && k > 0)
-                coordinate =
-                    value_add(coordinate, value_multiply(last, coordinates[(k - 1) * points + i]));
+                coordinate = value_add(coordinate, value_multiply(last, coordinates[(k - 1) * points + i]));
             basis[i * (count - 1) + k] =
                 a < support ? value_subtract(row[place], value_multiply(ratio, row[follower])) : row[place];
             coordinates[k * points + i] = coordinate;
@@ -132,8 +130,8 @@ struct restricted {
     double *errors;
 };
 
-/* C = A·B with bounds of errors; A is rows × inner, B inner × columns. The errors of A and B, too, may be NULL: entries
- * are then what they are, up to their rounding when they are not exact. */
+/* C = A·B with bounds of errors; A is rows × inner, B inner × columns. The errors of A and B, too, may be
+ * NULL: entries are then what they are, up to their rounding when they are not exact. */
 static void product_bounded(const struct value *a, const double *error_a, const struct value *b,
                             const double *error_b, size_t inner, struct restricted *c)
 {
@@ -144,7 +142,8 @@ static void product_bounded(const struct value *a, const double *error_a, const 
             double error = 0;
             for (size_t k = 0; k < inner; k++) {
                 struct value x = a[i * inner + k], y = b[k * c->columns + j], term = value_multiply(x, y);
-                double off_x = error_a ? error_a[i * inner + k] : 0, off_y = error_b ? error_b[k * c->columns + j] : 0;
+                double off_x = error_a ? error_a[i * inner + k] : 0,
+                       off_y = error_b ? error_b[k * c->columns + j] : 0;
                 sum = value_add(sum, term);
                 error += off_x * (fabs(y.real) + off_y) + fabs(x.real) * off_y + unit * fabs(term.real);
             }
@@ -153,7 +152,8 @@ static void product_bounded(const struct value *a, const double *error_a, const 
         }
 }
 
-/* What the entries of a frame may be off: those that were solved for in doubles are good to TOLERANCE_EQUATION. */
+/* What the entries of a frame may be off: those that were solved for in doubles are good to
+ * TOLERANCE_EQUATION. */
 static double *frame_errors(const struct value *values, size_t count, struct arena *arena)
 {
     double *errors = arena_new(arena, count, sizeof *errors);
@@ -170,8 +170,8 @@ static bcifs_status restricted_new(size_t rows, size_t columns, struct arena *ar
 }
 
 /* R = L_x T B_y, so that T B_y = B_x R. */
-static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from, const struct frame *to,
-                                 struct arena *arena, struct restricted *r)
+static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from,
+                                 const struct frame *to, struct arena *arena, struct restricted *r)
 {
     struct restricted image;
     bcifs_status status = restricted_new(map->rows, to->dimension, arena, &image);
@@ -187,7 +187,7 @@ static bcifs_status map_restrict(const struct value_matrix *map, const struct fr
 }
 
 /* The matrix of the operator on the entries of all forms, with bounds of its errors. */
-struct operator {
+struct action {
     size_t count;
     size_t *base; /* first entry of each place; of members only */
     struct value *values;
@@ -223,46 +223,47 @@ static struct value entries_multiply(const struct restricted *r, size_t i, size_
 }
 
 /* What c_cd of the child adds to entry (a, b): R_ac R_bd ± R_ad R_bc. */
-static void entry_add(struct operator *operator, size_t row, size_t column, struct value factor,
+static void entry_add(struct action *action, size_t row, size_t column, struct value factor,
                       const struct restricted *r, const size_t ab[2], const size_t cd[2], int sign)
 {
-    size_t n = r->columns, index = row * operator->count + column;
+    size_t n = r->columns, index = row * action->count + column;
     double error = 0;
     struct value sum = entries_multiply(r, ab[0] * n + cd[0], ab[1] * n + cd[1], &error);
     if (cd[0] != cd[1]) {
         struct value other = entries_multiply(r, ab[0] * n + cd[1], ab[1] * n + cd[0], &error);
         sum = sign < 0 ? value_subtract(sum, other) : value_add(sum, other);
     }
-    sum = value_add(operator->values[index], value_multiply(factor, sum));
-    operator->values[index] = sum;
-    operator->errors[index] += factor.real * error + 4 * DBL_EPSILON * fabs(sum.real);
+    sum = value_add(action->values[index], value_multiply(factor, sum));
+    action->values[index] = sum;
+    action->errors[index] += factor.real * error + 4 * DBL_EPSILON * fabs(sum.real);
 }
 
-static void map_add(struct operator *operator, const struct similar *similar, size_t x, size_t y,
+static void map_add(struct action *action, const struct similar *similar, size_t x, size_t y,
                     const struct restricted *r, struct value factor)
 {
     bool strict = similar->sign < 0;
-    size_t row = operator->base[x];
+    size_t row = action->base[x];
     for (size_t a = 0; a < r->rows; a++)
         for (size_t b = a + strict; b < r->rows; b++, row++) {
-            size_t column = operator->base[y];
+            size_t column = action->base[y];
             for (size_t c = 0; c < r->columns; c++)
                 for (size_t d = c + strict; d < r->columns; d++, column++)
-                    entry_add(operator, row, column, factor, r, (size_t[]){a, b}, (size_t[]){c, d},
+                    entry_add(action, row, column, factor, r, (size_t[]){a, b}, (size_t[]){c, d},
                               similar->sign);
         }
 }
 
-static bcifs_status operator_make(const struct similar *similar, struct arena *arena, struct operator *operator)
+static bcifs_status action_make(const struct similar *similar, struct arena *arena, struct action *action)
 {
     const struct reach *reach = similar->reach;
     size_t count = similar_unknowns(similar), next = 0;
-    *operator = (struct operator){count, arena_new(arena, reach->count, sizeof(size_t)),
-                                zeros_new(arena, count * count), arena_new(arena, count * count, sizeof(double))};
-    if (!operator->base || !operator->values || !operator->errors)
+    *action =
+        (struct action){count, arena_new(arena, reach->count, sizeof(size_t)),
+                        zeros_new(arena, count * count), arena_new(arena, count * count, sizeof(double))};
+    if (!action->base || !action->values || !action->errors)
         return BCIFS_MEMORY;
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
-        operator->base[reach->members[k]] = next;
+        action->base[reach->members[k]] = next;
         next += entry_count(similar->frames[reach->members[k]].dimension, similar->sign);
     }
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
@@ -278,20 +279,20 @@ static bcifs_status operator_make(const struct similar *similar, struct arena *a
                                                &similar->frames[y], arena, &r);
             if (status)
                 return status;
-            map_add(operator, similar, x, y, &r, factor);
+            map_add(action, similar, x, y, &r, factor);
         }
     }
     for (size_t i = 0; i < count * count; i++)
-        operator->errors[i] = value_pin(&operator->values[i], operator->errors[i]);
+        action->errors[i] = value_pin(&action->values[i], action->errors[i]);
     return BCIFS_OK;
 }
 
 /* ---- Its spectral radius ------------------------------------------------------------------------------- */
 
 /* Whether 1 is an eigenvalue, decided in exact arithmetic; false when numbers are not exact. */
-static bcifs_status one_is_eigenvalue(const struct operator *operator, struct arena *arena, bool *found)
+static bcifs_status one_is_eigenvalue(const struct action *action, struct arena *arena, bool *found)
 {
-    size_t count = operator->count, free = 0;
+    size_t count = action->count, free = 0;
     struct value *equations = arena_new(arena, count * count, sizeof *equations);
     struct value *solution = arena_new(arena, count, sizeof *solution);
     bool exact = true;
@@ -299,7 +300,8 @@ static bcifs_status one_is_eigenvalue(const struct operator *operator, struct ar
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
         bool diagonal = i % (count + 1) == 0;
-        equations[i] = diagonal ? value_subtract(operator->values[i], value_from_integer(1)) : operator->values[i];
+        equations[i] =
+            diagonal ? value_subtract(action->values[i], value_from_integer(1)) : action->values[i];
         exact = exact && equations[i].exact;
     }
     bcifs_status status =
@@ -309,7 +311,8 @@ static bcifs_status one_is_eigenvalue(const struct operator *operator, struct ar
 }
 
 /* ρ(K) <= |K^m|^(1/m), m = 2, 4, 8, …: for orders for which no eigenvectors are computed. */
-static bcifs_status radius_by_powers(double *power, size_t count, double error, struct arena *arena, double *upper)
+static bcifs_status radius_by_powers(double *power, size_t count, double error, struct arena *arena,
+                                     double *upper)
 {
     double *square = arena_new(arena, count * count, sizeof *square);
     if (!square)
@@ -323,25 +326,26 @@ static bcifs_status radius_by_powers(double *power, size_t count, double error, 
         norm = row_norm(power, count, count);
         exponent /= 2;
         if (norm + error < 1 - TOLERANCE_EXACT)
-            *upper = fmin(pow(norm + error, exponent) * (1 + TOLERANCE_EXACT), 1 - TOLERANCE_EXACT * exponent);
+            *upper =
+                fmin(pow(norm + error, exponent) * (1 + TOLERANCE_EXACT), 1 - TOLERANCE_EXACT * exponent);
     }
     return BCIFS_OK;
 }
 
 bcifs_status similar_radius(const struct similar *similar, struct arena *arena, double *lower, double *upper)
 {
-    struct operator operator;
+    struct action action;
     struct joint_bounds bounds;
-    bcifs_status status = operator_make(similar, arena, &operator);
+    bcifs_status status = action_make(similar, arena, &action);
     if (status)
         return status;
-    size_t count = operator.count;
-    double *matrix = arena_new(arena, count * count, sizeof *matrix), *error = operator.errors;
+    size_t count = action.count;
+    double *matrix = arena_new(arena, count * count, sizeof *matrix), *error = action.errors;
     bool finite = true;
     if (!matrix)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
-        matrix[i] = operator.values[i].real;
+        matrix[i] = action.values[i].real;
         finite = finite && isfinite(matrix[i]) && isfinite(error[i]);
     }
     *lower = 0;
@@ -361,7 +365,7 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
         status = radius_by_powers(matrix, count, off, arena, upper);
     bool found = false;
     if (status == BCIFS_OK && *lower < 1 && *upper >= 1)
-        status = one_is_eigenvalue(&operator, arena, &found);
+        status = one_is_eigenvalue(&action, arena, &found);
     if (found)
         *lower = 1;
     return status;
@@ -370,8 +374,8 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
 /* ---- The forms ----------------------------------------------------------------------------------------- */
 
 /* G += factor·T M T^T, T rows × columns. */
-static bcifs_status congruence_add(const struct value_matrix *map, const struct value *form, struct value factor,
-                                   struct value *sum, struct arena *arena)
+static bcifs_status congruence_add(const struct value_matrix *map, const struct value *form,
+                                   struct value factor, struct value *sum, struct arena *arena)
 {
     size_t rows = map->rows, columns = map->columns;
     struct value *left = zeros_new(arena, rows * columns);
@@ -419,7 +423,7 @@ static bcifs_status given_sum(const struct similar *similar, const struct simila
 }
 
 /* Σ c_ab φ_a φ_b (twice where a < b) - 4 = 0. */
-static bcifs_status norm_equation(const struct similar *similar, const struct operator *operator,
+static bcifs_status norm_equation(const struct similar *similar, const struct action *action,
                                   const struct value *functional, size_t x, struct value *equation,
                                   struct arena *arena)
 {
@@ -428,21 +432,21 @@ static bcifs_status norm_equation(const struct similar *similar, const struct op
     bcifs_status status = functional_restrict(frame, functional, arena, &phi);
     if (status)
         return status;
-    size_t entry = operator->base[x];
+    size_t entry = action->base[x];
     for (size_t a = 0; a < frame->dimension; a++)
         for (size_t b = a; b < frame->dimension; b++)
             equation[entry++] =
                 value_multiply(value_multiply(phi[a], phi[b]), value_from_integer(a == b ? 1 : 2));
-    equation[operator->count] = value_from_integer(-4);
+    equation[action->count] = value_from_integer(-4);
     return BCIFS_OK;
 }
 
 /* c - K c = what is given, entry by entry. */
 static bcifs_status equations_make(const struct similar *similar, const struct similar_data *data,
-                                   const struct operator *operator, struct value *equations, struct arena *arena)
+                                   const struct action *action, struct value *equations, struct arena *arena)
 {
     const struct reach *reach = similar->reach;
-    size_t unknowns = operator->count + 1, row = 0;
+    size_t unknowns = action->count + 1, row = 0;
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
         size_t x = reach->members[k];
         const struct frame *frame = &similar->frames[x];
@@ -462,17 +466,17 @@ static bcifs_status equations_make(const struct similar *similar, const struct s
         for (size_t a = 0; a < frame->dimension; a++)
             for (size_t b = a + (similar->sign < 0); b < frame->dimension; b++, row++) {
                 struct value *equation = &equations[row * unknowns];
-                for (size_t j = 0; j < operator->count; j++)
-                    equation[j] = value_negate(operator->values[row * operator->count + j]);
+                for (size_t j = 0; j < action->count; j++)
+                    equation[j] = value_negate(action->values[row * action->count + j]);
                 equation[row] = value_add(equation[row], value_from_integer(1));
-                equation[operator->count] = value_negate(given[a * frame->dimension + b]);
+                equation[action->count] = value_negate(given[a * frame->dimension + b]);
             }
     }
     for (size_t k = reach->first[similar->component];
          k < reach->first[similar->component + 1] && data->functionals; k++, row++) {
         size_t x = reach->members[k];
         bcifs_status status =
-            norm_equation(similar, operator, data->functionals[x], x, &equations[row * unknowns], arena);
+            norm_equation(similar, action, data->functionals[x], x, &equations[row * unknowns], arena);
         if (status)
             return status;
     }
@@ -480,8 +484,9 @@ static bcifs_status equations_make(const struct similar *similar, const struct s
 }
 
 /* part + B c B^T; `entries` are those of c. */
-static bcifs_status form_compose(const struct frame *frame, const struct value *part, const struct value *entries,
-                                 int sign, struct arena *arena, const struct value **form)
+static bcifs_status form_compose(const struct frame *frame, const struct value *part,
+                                 const struct value *entries, int sign, struct arena *arena,
+                                 const struct value **form)
 {
     size_t points = frame->points, n = frame->dimension;
     struct value_matrix *c = value_matrix_new(arena, n, n);
@@ -504,8 +509,7 @@ static bcifs_status form_compose(const struct frame *frame, const struct value *
     for (size_t i = 0; i < points; i++)
         for (size_t j = i; j < points; j++) {
             value_pin(&result[i * points + j], 0);
-            result[j * points + i] =
-                sign < 0 ? value_negate(result[i * points + j]) : result[i * points + j];
+            result[j * points + i] = sign < 0 ? value_negate(result[i * points + j]) : result[i * points + j];
         }
     for (size_t i = 0; i < points && sign < 0; i++)
         result[i * points + i] = value_from_integer(0);
@@ -513,31 +517,31 @@ static bcifs_status form_compose(const struct frame *frame, const struct value *
     return status;
 }
 
-bcifs_status similar_solve(const struct similar *similar, const struct similar_data *data, struct arena *arena,
-                           const struct value **forms, bool *solved)
+bcifs_status similar_solve(const struct similar *similar, const struct similar_data *data,
+                           struct arena *arena, const struct value **forms, bool *solved)
 {
     const struct reach *reach = similar->reach;
     struct arena own = {0};
-    struct operator operator;
+    struct action action;
     size_t members = reach->first[similar->component + 1] - reach->first[similar->component], free = 0;
-    bcifs_status status = operator_make(similar, &own, &operator);
-    size_t rows = status ? 0 : operator.count + (data->functionals ? members : 0);
-    size_t unknowns = status ? 0 : operator.count + 1;
+    bcifs_status status = action_make(similar, &own, &action);
+    size_t rows = status ? 0 : action.count + (data->functionals ? members : 0);
+    size_t unknowns = status ? 0 : action.count + 1;
     struct value *equations = status ? NULL : zeros_new(&own, rows * unknowns);
     struct value *solution = status ? NULL : arena_new(&own, unknowns, sizeof *solution);
     if (status == BCIFS_OK && (!equations || !solution))
         status = BCIFS_MEMORY;
     if (status == BCIFS_OK)
-        status = equations_make(similar, data, &operator, equations, &own);
+        status = equations_make(similar, data, &action, equations, &own);
     if (status == BCIFS_OK)
         status = equations_solve(equations, rows, unknowns, true, &own, solution, &free);
     *solved = free == 1;
     if (status == BCIFS_OK)
-        values_pin(solution, operator.count);
+        values_pin(solution, action.count);
     for (size_t k = 0; k < members && status == BCIFS_OK && *solved; k++) {
         size_t x = reach->members[reach->first[similar->component] + k];
         status = form_compose(&similar->frames[x], data->parts ? data->parts[x] : NULL,
-                              solution + operator.base[x], similar->sign, arena, &forms[x]);
+                              solution + action.base[x], similar->sign, arena, &forms[x]);
     }
     arena_free(&own);
     return status;
