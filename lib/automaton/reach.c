@@ -26,8 +26,8 @@ static bcifs_status state_add(struct growth *growth, size_t state, struct arena 
     return BCIFS_OK;
 }
 
-static bcifs_status states_gather(struct states *states, const size_t *list, size_t count, struct arena *arena,
-                                  struct growth *growth)
+static bcifs_status states_gather(struct states *states, const size_t *list, size_t count,
+                                  struct arena *arena, struct growth *growth)
 {
     bcifs_status status = BCIFS_OK;
     for (size_t i = 0; i < count && status == BCIFS_OK; i++)

@@ -1,8 +1,9 @@
-/* Reach: the states that are reached from some of a table through their maps, in strongly connected components.
+/* Reach: the states that are reached from some of a table through their maps, in strongly connected
+ * components.
  *
- * What a state's maps determine of it (moments, forms) is one linear system for all states of a component; everything
- * else that occurs in it belongs to components of smaller numbers. So a figure with hundreds of states, most of which
- * never come back to themselves, costs hundreds of small systems. */
+ * What a state's maps determine of it (moments, forms) is one linear system for all states of a component;
+ * everything else that occurs in it belongs to components of smaller numbers. So a figure with hundreds of
+ * states, most of which never come back to themselves, costs hundreds of small systems. */
 #ifndef AUTOMATON_REACH_H
 #define AUTOMATON_REACH_H
 

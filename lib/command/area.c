@@ -73,7 +73,8 @@ const struct command command_area = {
     .usage = "FILE [options]",
     .summary = "computes the exact signed area of a figure's limit curve, fractal or not",
     .text = "An open curve is closed by its chord. An arc on the control points P0, P1, … has the area\n"
-            "Σ ½ m_jk (x_j y_k - y_j x_k) over all j, k, and m is printed, too. Where the areas of finer and finer\n"
+            "Σ ½ m_jk (x_j y_k - y_j x_k) over all j, k, and m is printed, too. Where the areas of finer and "
+            "finer\n"
             "polygons do not converge, or equations fail, the exit status is 1.\n",
     .options = options_list,
     .run = run,

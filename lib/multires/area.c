@@ -19,7 +19,8 @@ static bcifs_status refuse(const struct measure *measure, bcifs_status status, c
     const bcifs_figure *figure = measure->figure;
     const char *file = figure->automaton->modules[0]->source->name;
     if (figure->name[0])
-        return report_failure(measure->report, status, file, "figure '%s' has no area: %s", figure->name, reason);
+        return report_failure(measure->report, status, file, "figure '%s' has no area: %s", figure->name,
+                              reason);
     return report_failure(measure->report, status, file, "there is no area: %s", reason);
 }
 
@@ -29,7 +30,8 @@ static bcifs_status figure_judge(const struct measure *measure)
     if (figure->shape != FIGURE_CURVE)
         return refuse(measure, BCIFS_INPUT, "it is not a curve");
     if (figure->displaced)
-        return refuse(measure, BCIFS_INPUT, "it has displaced points, whose curve is no combination of its own points");
+        return refuse(measure, BCIFS_INPUT,
+                      "it has displaced points, whose curve is no combination of its own points");
     if (figure->dimension != 2 && !figure->unplaced)
         return refuse(measure, BCIFS_INPUT, "its points do not have two coordinates");
     return BCIFS_OK;
@@ -61,7 +63,8 @@ static bool all_are_fractions(const struct value *values, size_t count)
     return true;
 }
 
-static bcifs_status form_tell(struct measure *measure, size_t state, bcifs_form *told, const struct value **entries)
+static bcifs_status form_tell(struct measure *measure, size_t state, bcifs_form *told,
+                              const struct value **entries)
 {
     const struct form *form = &measure->forms[state];
     const struct state *entry = &measure->area->states.states[state];
@@ -69,10 +72,11 @@ static bcifs_status form_tell(struct measure *measure, size_t state, bcifs_form 
     if (!form->values)
         return refuse(measure, BCIFS_NO, form->reason);
     state_name(&entry->key, &name);
-    *told = (bcifs_form){.state = name.failed ? NULL : arena_text(&measure->area->arena, name.data, name.length),
-                         .size = entry->points,
-                         .matrix = form->numbers,
-                         .exact = all_are_fractions(form->values, entry->points * entry->points)};
+    *told =
+        (bcifs_form){.state = name.failed ? NULL : arena_text(&measure->area->arena, name.data, name.length),
+                     .size = entry->points,
+                     .matrix = form->numbers,
+                     .exact = all_are_fractions(form->values, entry->points * entry->points)};
     *entries = form->values;
     text_free(&name);
     return told->state ? BCIFS_OK : BCIFS_MEMORY;
@@ -140,7 +144,8 @@ static bcifs_status piece_add(struct measure *measure, const struct piece *piece
 }
 
 /* The point P·H at an end of a piece. */
-static bcifs_status end_point(struct measure *measure, const struct piece *piece, bool at_end, struct value *point)
+static bcifs_status end_point(struct measure *measure, const struct piece *piece, bool at_end,
+                              struct value *point)
 {
     struct form_ends ends;
     bcifs_status status = form_ends_find(&measure->area->states, piece->state, &measure->own, &ends);

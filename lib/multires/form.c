@@ -9,10 +9,10 @@
 struct search {
     struct states *states;
     struct reach reach;
-    struct arena *arena;         /* of the results */
-    struct arena own;            /* of what is needed to the end of the search */
-    const struct value **forms;  /* NULL: there is none */
-    const char **reasons;        /* why not */
+    struct arena *arena;        /* of the results */
+    struct arena own;           /* of what is needed to the end of the search */
+    const struct value **forms; /* NULL: there is none */
+    const char **reasons;       /* why not */
     struct frame *frames;
     /* Area: the chords' forms. Energy: what the parameter is read off with, and derivatives at the ends. */
     const struct value **chords;
@@ -161,7 +161,8 @@ static bcifs_status area_find(struct search *search, size_t c)
     if (status || !go_on)
         return status;
     status = similar_solve(&similar, &data, search->arena, search->forms, &go_on);
-    return status || go_on ? status : reason_give(search, c, "the equations of its area have no single solution");
+    return status || go_on ? status
+                           : reason_give(search, c, "the equations of its area have no single solution");
 }
 
 /* ---- Energy -------------------------------------------------------------------------------------------- */
@@ -206,15 +207,17 @@ static bcifs_status reproduction_judge(struct search *search, size_t c, bool *re
         text_format(&text, "it and the states that it comes back to have %lu control points; the limit is %d",
                     (unsigned long)points, MOMENTS_MOST_UNKNOWNS);
     else
-        text_append(&text, parameter ? "it does not reproduce t²: its second derivative, if there is one, is 0 or "
-                                       "not square-integrable"
-                                     : "it does not reproduce the parameter t");
+        text_append(&text, parameter
+                               ? "it does not reproduce t²: its second derivative, if there is one, is 0 or "
+                                 "not square-integrable"
+                               : "it does not reproduce the parameter t");
     return reason_take(search, c, &text);
 }
 
-/* h = N³ Σ T_i h T_i^T on forms that vanish on 1 and ℓ, q h q^T = 4. On those that vanish on q, too, the operator must
- * contract: then the second derivatives of approximations that take the arc's values and derivatives at all joints
- * of a level (cubic Hermite arcs) converge in L². They have no jumps of the first derivative when it agrees there. */
+/* h = N³ Σ T_i h T_i^T on forms that vanish on 1 and ℓ, q h q^T = 4. On those that vanish on q, too, the
+ * operator must contract: then the second derivatives of approximations that take the arc's values and
+ * derivatives at all joints of a level (cubic Hermite arcs) converge in L². They have no jumps of the first
+ * derivative when it agrees there. */
 static bcifs_status energy_find(struct search *search, size_t c)
 {
     struct similar similar = {search->states, &search->reach, c, search->frames, 1, 3};
@@ -223,7 +226,7 @@ static bcifs_status energy_find(struct search *search, size_t c)
         "its second derivative is not square-integrable",
         "it is not decided whether its second derivative is square-integrable",
         "N³ Σ T·Tᵀ on what vanishes on 1, t and t²"};
-    bool go_on;
+    bool go_on, determined;
     bcifs_status status = reproduction_judge(search, c, &go_on);
     if (status || !go_on)
         return status;
@@ -237,16 +240,20 @@ static bcifs_status energy_find(struct search *search, size_t c)
         status = radius_judge(search, &similar, &words, &go_on);
     if (status || !go_on)
         return status;
-    status = derivatives_join(search->states, &search->reach, &search->moments, c, &search->own, search->starts,
-                              search->ends, &go_on);
+    status = derivatives_join(search->states, &search->reach, &search->moments, c, &search->own,
+                              search->starts, search->ends, &determined, &go_on);
+    if (status == BCIFS_OK && !determined)
+        return reason_give(search, c, "the equations of its derivatives at the ends have no single solution");
     if (status == BCIFS_OK && !go_on)
-        return reason_give(search, c, "its second derivative is not square-integrable: the first one jumps where "
-                                      "two children meet");
+        return reason_give(search, c,
+                           "its second derivative is not square-integrable: the first one jumps where "
+                           "two children meet");
     if (status == BCIFS_OK)
         status = energy_frames(search, c, false);
     if (status == BCIFS_OK)
         status = similar_solve(&similar, &data, search->arena, search->forms, &go_on);
-    return status || go_on ? status : reason_give(search, c, "the equations of its energy have no single solution");
+    return status || go_on ? status
+                           : reason_give(search, c, "the equations of its energy have no single solution");
 }
 
 /* ---- The whole ----------------------------------------------------------------------------------------- */

@@ -1,4 +1,5 @@
-/* The limit points at the ends of an arc, exactly: states_limit in values (docs/mathematics.md, "Limit points"). */
+/* The limit points at the ends of an arc, exactly: states_limit in values (docs/mathematics.md, "Limit
+ * points"). */
 #include "multires/form.h"
 
 #include "numeric/value_equations.h"
@@ -49,8 +50,9 @@ static bcifs_status fixed_point_solve(const struct value_matrix *t, struct arena
         return BCIFS_MEMORY;
     for (size_t i = 0; i < size; i++) {
         for (size_t j = 0; j < size; j++)
-            equations[i * unknowns + j] =
-                i == j ? value_subtract(t->values[i * size + j], value_from_integer(1)) : t->values[i * size + j];
+            equations[i * unknowns + j] = i == j
+                                              ? value_subtract(t->values[i * size + j], value_from_integer(1))
+                                              : t->values[i * size + j];
         equations[i * unknowns + size] = value_from_integer(0);
         equations[size * unknowns + i] = value_from_integer(1);
     }
@@ -76,7 +78,8 @@ static bcifs_status cycle_limit(struct states *states, const struct vertex_walk 
     if (status)
         return status;
     if (free != 1)
-        return states_limit_refuse(states, walk->visited[walk->cycle], "its map fixes more than one point");
+        return states_limit_refuse(states, walk->visited[walk->cycle],
+                                   free ? "its map fixes more than one point" : "its map fixes no point");
     for (size_t i = walk->cycle; i-- > 0;) {
         limit = value_matrix_multiply(arena, first_map(states, walk->visited[i]), limit);
         if (!limit)

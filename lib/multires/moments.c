@@ -5,8 +5,8 @@
 #include "numeric/tolerance.h"
 #include "numeric/value_equations.h"
 
-/* The linear system of one component: the coordinates of its states, one after the other, and a last unknown for what
- * is known. */
+/* The linear system of one component: the coordinates of its states, one after the other, and a last unknown
+ * for what is known. */
 struct system {
     const struct states *states;
     const struct reach *reach;
@@ -81,15 +81,16 @@ static bcifs_status system_solve(struct system *system, struct arena *own, struc
     struct value *solution = arena_new(own, system->unknowns, sizeof *solution);
     if (!solution)
         return BCIFS_MEMORY;
-    bcifs_status status = equations_solve(system->equations, system->rows, system->unknowns, true, own, solution,
-                                          free);
+    bcifs_status status =
+        equations_solve(system->equations, system->rows, system->unknowns, true, own, solution, free);
     if (status || *free == 0)
         return status;
     for (size_t i = 0; i < system->unknowns; i++)
         value_pin(&solution[i], 0);
     for (size_t k = reach->first[system->component]; k < reach->first[system->component + 1]; k++) {
         size_t place = reach->members[k], points = state_at(system, place)->points;
-        solutions[place] = arena_grow(arena, solution + system->base[place], points, points, sizeof *solution);
+        solutions[place] =
+            arena_grow(arena, solution + system->base[place], points, points, sizeof *solution);
         if (!solutions[place])
             return BCIFS_MEMORY;
     }
@@ -99,8 +100,7 @@ static bcifs_status system_solve(struct system *system, struct arena *own, struc
 /* ---- Moments ------------------------------------------------------------------------------------------- */
 
 /* N^l q_l^x T_i - q_l^y = the terms of lower degree, column by column: i for ℓ, 2i ℓ^y + i² for q. */
-static void moment_equations(struct system *system, size_t x, size_t i, int l,
-                             const struct moments *moments)
+static void moment_equations(struct system *system, size_t x, size_t i, int l, const struct moments *moments)
 {
     const struct state *state = state_at(system, x);
     const struct value_matrix *map = state->cell->children[i].map;
@@ -110,8 +110,7 @@ static void moment_equations(struct system *system, size_t x, size_t i, int l,
     const struct value *known = l == 1 ? moments->parameter[y] : moments->square[y];
     for (size_t j = 0; j < map->columns; j++, system->equation += system->unknowns) {
         for (size_t k = 0; k < map->rows; k++)
-            system->equation[system->base[x] + k] =
-                value_multiply(scale, map->values[k * map->columns + j]);
+            system->equation[system->base[x] + k] = value_multiply(scale, map->values[k * map->columns + j]);
         if (is_member(system, y))
             add_to(&system->equation[system->base[y] + j], value_from_integer(-1));
         else
@@ -179,8 +178,8 @@ static bcifs_status units_make(const struct states *states, const struct reach *
     return BCIFS_OK;
 }
 
-bcifs_status moments_find(const struct states *states, const struct reach *reach, int degree, struct arena *arena,
-                          struct moments *moments)
+bcifs_status moments_find(const struct states *states, const struct reach *reach, int degree,
+                          struct arena *arena, struct moments *moments)
 {
     const struct value **rows = arena_new(arena, reach->count, 3 * sizeof *rows);
     if (!rows)
@@ -246,40 +245,49 @@ static bcifs_status derivative_find(struct system *system, bool at_end, const st
     return status;
 }
 
+/* Entry `row` of T v, and the size of the sums that it is the difference of. */
+static struct value image_entry(const struct value_matrix *map, const struct value *vector, size_t row,
+                                double *size)
+{
+    struct value sum = value_from_integer(0);
+    double terms = 0;
+    for (size_t j = 0; j < map->columns; j++) {
+        struct value term = value_multiply(map->values[row * map->columns + j], vector[j]);
+        sum = value_add(sum, term);
+        terms += fabs(term.real);
+    }
+    *size = fmax(*size, terms);
+    return sum;
+}
+
 /* T_i E^y = T_i+1 D^z, the derivatives by the child's parameter on both sides. */
-static bool joint_agrees(const struct state *state, size_t i,
-                         const struct value *end, const struct value *start)
+static bool joint_agrees(const struct state *state, size_t i, const struct value *end,
+                         const struct value *start)
 {
     const struct value_matrix *left = state->cell->children[i].map, *right = state->cell->children[i + 1].map;
-    for (size_t row = 0; row < state->points; row++) {
-        struct value sum = value_from_integer(0);
-        double size = 0;
-        for (size_t j = 0; j < left->columns; j++) {
-            struct value term = value_multiply(left->values[row * left->columns + j], end[j]);
-            sum = value_add(sum, term);
-            size += fabs(term.real);
-        }
-        for (size_t j = 0; j < right->columns; j++) {
-            struct value term = value_multiply(right->values[row * right->columns + j], start[j]);
-            sum = value_subtract(sum, term);
-            size += fabs(term.real);
-        }
-        if (!value_is_negligible(sum, size))
-            return false;
+    double size = 0;
+    bool agree = true;
+    for (size_t row = 0; row < state->points; row++) /* for the size of the vectors as a whole */
+        image_entry(left, end, row, &size);
+    for (size_t row = 0; row < state->points && agree; row++) {
+        struct value difference =
+            value_subtract(image_entry(left, end, row, &size), image_entry(right, start, row, &size));
+        agree = value_is_negligible(difference, size);
     }
-    return true;
+    return agree;
 }
 
 bcifs_status derivatives_join(const struct states *states, const struct reach *reach,
                               const struct moments *moments, size_t c, struct arena *arena,
-                              const struct value **starts, const struct value **ends, bool *agree)
+                              const struct value **starts, const struct value **ends, bool *determined,
+                              bool *agree)
 {
     struct system system = {.states = states, .reach = reach, .component = c};
-    bool determined[2] = {false, false};
-    bcifs_status status = derivative_find(&system, false, moments, arena, starts, &determined[0]);
+    bool start_found = false, end_found = false;
+    bcifs_status status = derivative_find(&system, false, moments, arena, starts, &start_found);
     if (status == BCIFS_OK)
-        status = derivative_find(&system, true, moments, arena, ends, &determined[1]);
-    *agree = determined[0] && determined[1];
+        status = derivative_find(&system, true, moments, arena, ends, &end_found);
+    *determined = *agree = start_found && end_found;
     for (size_t k = reach->first[c]; k < reach->first[c + 1] && status == BCIFS_OK && *agree; k++) {
         const struct state *state = state_at(&system, reach->members[k]);
         for (size_t i = 0; i + 1 < state->cell->child_count && *agree; i++)

@@ -1,5 +1,6 @@
 #include "multires/similar.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "numeric/enclosure.h"
@@ -9,6 +10,7 @@
 
 enum { MOST_SQUARINGS = 12 };
 static const double LARGEST_POWER = 1e100; /* squares of what is larger might overflow */
+static const double LARGEST_RATIO = 1e6;
 
 /* ---- Frames -------------------------------------------------------------------------------------------- */
 
@@ -45,9 +47,8 @@ static bcifs_status functional_restrict(const struct frame *frame, const struct 
     *restricted = zeros_new(arena, frame->dimension);
     for (size_t i = 0; *restricted && i < frame->points; i++)
         for (size_t k = 0; k < frame->dimension; k++)
-            (*restricted)[k] =
-                value_add((*restricted)[k],
-                          value_multiply(functional[i], frame->basis[i * frame->dimension + k]));
+            (*restricted)[k] = value_add(
+                (*restricted)[k], value_multiply(functional[i], frame->basis[i * frame->dimension + k]));
     return *restricted ? BCIFS_OK : BCIFS_MEMORY;
 }
 
@@ -68,8 +69,21 @@ static size_t support_find(const struct value *phi, size_t count, size_t *places
     return support;
 }
 
-/* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with coordinates w
- * has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
+/* A ratio of numbers known in doubles that is nearly an integer is that integer: functionals are constant on
+ * the differences of subdivision masks. */
+static struct value ratio_make(struct value a, struct value b)
+{
+    struct value ratio = value_divide(a, b);
+    double nearest = nearbyint(ratio.real);
+    if (!ratio.exact && fabs(nearest) < LARGEST_RATIO &&
+        fabs(ratio.real - nearest) <= TOLERANCE_REPRODUCTION * fabs(nearest))
+        ratio = value_from_integer((int64_t)nearest);
+    value_pin(&ratio, 0);
+    return ratio;
+}
+
+/* b_k - (φ_k/φ_l) b_l for consecutive places k, l of the support, and all b_k with φ_k = 0. A column with
+ * coordinates w has the coordinates c_a = w_a + ratio_a-1 c_a-1 along the support. */
 bcifs_status frame_cut(struct frame *frame, const struct value *functional, struct arena *arena)
 {
     struct value *phi;
@@ -89,14 +103,12 @@ bcifs_status frame_cut(struct frame *frame, const struct value *functional, stru
         struct value last = ratio;
         if (a + 1 == support)
             continue;
-        ratio = a < support ? value_divide(phi[place], phi[follower]) : value_from_integer(0);
-        value_pin(&ratio, 0);
+        ratio = a < support ? ratio_make(phi[place], phi[follower]) : value_from_integer(0);
         for (size_t i = 0; i < points; i++) {
             const struct value *row = &frame->basis[i * count];
             struct value coordinate = frame->coordinates[place * points + i];
             if (a < support && k > 0)
-                coordinate =
-                    value_add(coordinate, value_multiply(last, coordinates[(k - 1) * points + i]));
+                coordinate = value_add(coordinate, value_multiply(last, coordinates[(k - 1) * points + i]));
             basis[i * (count - 1) + k] =
                 a < support ? value_subtract(row[place], value_multiply(ratio, row[follower])) : row[place];
             coordinates[k * points + i] = coordinate;
@@ -111,52 +123,75 @@ bcifs_status frame_cut(struct frame *frame, const struct value *functional, stru
 
 /* ---- The operator -------------------------------------------------------------------------------------- */
 
-/* A map between frames, with the sums of the sizes of its entries' terms. */
+/* A map between frames; errors[i] bounds how far values[i].real may be off. */
 struct restricted {
     size_t rows, columns;
     struct value *values;
-    double *sizes;
+    double *errors;
 };
 
-/* R = L_x T B_y, so that T B_y = B_x R. */
-static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from, const struct frame *to,
-                                 struct arena *arena, struct restricted *r)
+/* C = A·B with bounds of errors; A is rows × inner, B inner × columns. The errors of A and B, too, may be
+ * NULL: entries are then what they are, up to their rounding when they are not exact. */
+static void product_bounded(const struct value *a, const double *error_a, const struct value *b,
+                            const double *error_b, size_t inner, struct restricted *c)
 {
-    size_t rows = from->dimension, columns = to->dimension;
-    struct value *image = zeros_new(arena, map->rows * columns);
-    double *sizes = arena_new(arena, map->rows * columns, sizeof *sizes);
-    *r = (struct restricted){rows, columns, zeros_new(arena, rows * columns),
-                             arena_new(arena, rows * columns, sizeof *r->sizes)};
-    if (!image || !sizes || !r->values || !r->sizes)
-        return BCIFS_MEMORY;
-    for (size_t i = 0; i < map->rows; i++)
-        for (size_t k = 0; k < map->columns; k++)
-            for (size_t b = 0; b < columns; b++) {
-                struct value term = value_multiply(map->values[i * map->columns + k], to->basis[k * columns + b]);
-                image[i * columns + b] = value_add(image[i * columns + b], term);
-                sizes[i * columns + b] += fabs(term.real);
+    double unit = (double)(inner + 4) * DBL_EPSILON;
+    for (size_t i = 0; i < c->rows; i++)
+        for (size_t j = 0; j < c->columns; j++) {
+            struct value sum = value_from_integer(0);
+            double error = 0;
+            for (size_t k = 0; k < inner; k++) {
+                struct value x = a[i * inner + k], y = b[k * c->columns + j], term = value_multiply(x, y);
+                double off_x = error_a ? error_a[i * inner + k] : 0,
+                       off_y = error_b ? error_b[k * c->columns + j] : 0;
+                sum = value_add(sum, term);
+                error += off_x * (fabs(y.real) + off_y) + fabs(x.real) * off_y + unit * fabs(term.real);
             }
-    for (size_t a = 0; a < rows; a++)
-        for (size_t i = 0; i < map->rows; i++)
-            for (size_t b = 0; b < columns; b++) {
-                struct value factor = from->coordinates[a * map->rows + i];
-                struct value term = value_multiply(factor, image[i * columns + b]);
-                r->values[a * columns + b] = value_add(r->values[a * columns + b], term);
-                r->sizes[a * columns + b] += fabs(factor.real) * sizes[i * columns + b];
-            }
-    values_pin(r->values, rows * columns);
-    for (size_t i = 0; i < rows * columns; i++) /* nothing is lost where fractions were recovered */
-        if (r->values[i].exact && value_pin(&r->values[i], 1) < 1)
-            r->sizes[i] = fabs(r->values[i].real);
+            c->values[i * c->columns + j] = sum;
+            c->errors[i * c->columns + j] = value_pin(&c->values[i * c->columns + j], error);
+        }
+}
+
+/* What the entries of a frame may be off: those that were solved for in doubles are good to
+ * TOLERANCE_EQUATION. */
+static double *frame_errors(const struct value *values, size_t count, struct arena *arena)
+{
+    double *errors = arena_new(arena, count, sizeof *errors);
+    for (size_t i = 0; errors && i < count; i++)
+        errors[i] = values[i].exact ? 0 : TOLERANCE_EQUATION * fabs(values[i].real);
+    return errors;
+}
+
+static bcifs_status restricted_new(size_t rows, size_t columns, struct arena *arena, struct restricted *r)
+{
+    *r = (struct restricted){rows, columns, arena_new(arena, rows * columns, sizeof *r->values),
+                             arena_new(arena, rows * columns, sizeof *r->errors)};
+    return r->values && r->errors ? BCIFS_OK : BCIFS_MEMORY;
+}
+
+/* R = L_x T B_y, so that T B_y = B_x R. */
+static bcifs_status map_restrict(const struct value_matrix *map, const struct frame *from,
+                                 const struct frame *to, struct arena *arena, struct restricted *r)
+{
+    struct restricted image;
+    bcifs_status status = restricted_new(map->rows, to->dimension, arena, &image);
+    if (status == BCIFS_OK)
+        status = restricted_new(from->dimension, to->dimension, arena, r);
+    double *error_b = frame_errors(to->basis, map->columns * to->dimension, arena);
+    double *error_l = frame_errors(from->coordinates, from->dimension * map->rows, arena);
+    if (status || !error_b || !error_l)
+        return status ? status : BCIFS_MEMORY;
+    product_bounded(map->values, NULL, to->basis, error_b, map->columns, &image);
+    product_bounded(from->coordinates, error_l, image.values, image.errors, map->rows, r);
     return BCIFS_OK;
 }
 
-/* The matrix of the operator on the entries of all forms, with the sizes of its entries' terms. */
-struct operator {
+/* The matrix of the operator on the entries of all forms, with bounds of its errors. */
+struct action {
     size_t count;
     size_t *base; /* first entry of each place; of members only */
     struct value *values;
-    double *sizes;
+    double *errors;
 };
 
 /* Entries c_ab with a < b, and a = b of symmetric forms. */
@@ -179,49 +214,56 @@ size_t similar_unknowns(const struct similar *similar)
     return count;
 }
 
-/* What c_cd of the child adds to entry (a, b): R_ac R_bd ± R_ad R_bc. */
-static void entry_add(struct operator *operator, size_t row, size_t column, struct value factor,
-                      const struct restricted *r, const size_t ab[2], const size_t cd[2], int sign)
+/* The product of two entries of R, and how far off it is. */
+static struct value entries_multiply(const struct restricted *r, size_t i, size_t j, double *error)
 {
-    size_t n = r->columns, ac = ab[0] * n + cd[0], bd = ab[1] * n + cd[1], ad = ab[0] * n + cd[1],
-           bc = ab[1] * n + cd[0];
-    struct value sum = value_multiply(r->values[ac], r->values[bd]);
-    double size = r->sizes[ac] * r->sizes[bd];
-    if (cd[0] != cd[1]) {
-        struct value other = value_multiply(r->values[ad], r->values[bc]);
-        sum = sign < 0 ? value_subtract(sum, other) : value_add(sum, other);
-        size += r->sizes[ad] * r->sizes[bc];
-    }
-    size_t index = row * operator->count + column;
-    operator->values[index] = value_add(operator->values[index], value_multiply(factor, sum));
-    operator->sizes[index] += factor.real * size;
+    double x = fabs(r->values[i].real), y = fabs(r->values[j].real);
+    *error += r->errors[i] * (y + r->errors[j]) + x * r->errors[j] + 4 * DBL_EPSILON * x * y;
+    return value_multiply(r->values[i], r->values[j]);
 }
 
-static void map_add(struct operator *operator, const struct similar *similar, size_t x, size_t y,
+/* What c_cd of the child adds to entry (a, b): R_ac R_bd ± R_ad R_bc. */
+static void entry_add(struct action *action, size_t row, size_t column, struct value factor,
+                      const struct restricted *r, const size_t ab[2], const size_t cd[2], int sign)
+{
+    size_t n = r->columns, index = row * action->count + column;
+    double error = 0;
+    struct value sum = entries_multiply(r, ab[0] * n + cd[0], ab[1] * n + cd[1], &error);
+    if (cd[0] != cd[1]) {
+        struct value other = entries_multiply(r, ab[0] * n + cd[1], ab[1] * n + cd[0], &error);
+        sum = sign < 0 ? value_subtract(sum, other) : value_add(sum, other);
+    }
+    sum = value_add(action->values[index], value_multiply(factor, sum));
+    action->values[index] = sum;
+    action->errors[index] += factor.real * error + 4 * DBL_EPSILON * fabs(sum.real);
+}
+
+static void map_add(struct action *action, const struct similar *similar, size_t x, size_t y,
                     const struct restricted *r, struct value factor)
 {
     bool strict = similar->sign < 0;
-    size_t row = operator->base[x];
+    size_t row = action->base[x];
     for (size_t a = 0; a < r->rows; a++)
         for (size_t b = a + strict; b < r->rows; b++, row++) {
-            size_t column = operator->base[y];
+            size_t column = action->base[y];
             for (size_t c = 0; c < r->columns; c++)
                 for (size_t d = c + strict; d < r->columns; d++, column++)
-                    entry_add(operator, row, column, factor, r, (size_t[]){a, b}, (size_t[]){c, d},
+                    entry_add(action, row, column, factor, r, (size_t[]){a, b}, (size_t[]){c, d},
                               similar->sign);
         }
 }
 
-static bcifs_status operator_make(const struct similar *similar, struct arena *arena, struct operator *operator)
+static bcifs_status action_make(const struct similar *similar, struct arena *arena, struct action *action)
 {
     const struct reach *reach = similar->reach;
     size_t count = similar_unknowns(similar), next = 0;
-    *operator = (struct operator){count, arena_new(arena, reach->count, sizeof(size_t)),
-                                zeros_new(arena, count * count), arena_new(arena, count * count, sizeof(double))};
-    if (!operator->base || !operator->values || !operator->sizes)
+    *action =
+        (struct action){count, arena_new(arena, reach->count, sizeof(size_t)),
+                        zeros_new(arena, count * count), arena_new(arena, count * count, sizeof(double))};
+    if (!action->base || !action->values || !action->errors)
         return BCIFS_MEMORY;
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
-        operator->base[reach->members[k]] = next;
+        action->base[reach->members[k]] = next;
         next += entry_count(similar->frames[reach->members[k]].dimension, similar->sign);
     }
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
@@ -237,19 +279,20 @@ static bcifs_status operator_make(const struct similar *similar, struct arena *a
                                                &similar->frames[y], arena, &r);
             if (status)
                 return status;
-            map_add(operator, similar, x, y, &r, factor);
+            map_add(action, similar, x, y, &r, factor);
         }
     }
-    values_pin(operator->values, count * count);
+    for (size_t i = 0; i < count * count; i++)
+        action->errors[i] = value_pin(&action->values[i], action->errors[i]);
     return BCIFS_OK;
 }
 
 /* ---- Its spectral radius ------------------------------------------------------------------------------- */
 
 /* Whether 1 is an eigenvalue, decided in exact arithmetic; false when numbers are not exact. */
-static bcifs_status one_is_eigenvalue(const struct operator *operator, struct arena *arena, bool *found)
+static bcifs_status one_is_eigenvalue(const struct action *action, struct arena *arena, bool *found)
 {
-    size_t count = operator->count, free = 0;
+    size_t count = action->count, free = 0;
     struct value *equations = arena_new(arena, count * count, sizeof *equations);
     struct value *solution = arena_new(arena, count, sizeof *solution);
     bool exact = true;
@@ -257,7 +300,8 @@ static bcifs_status one_is_eigenvalue(const struct operator *operator, struct ar
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
         bool diagonal = i % (count + 1) == 0;
-        equations[i] = diagonal ? value_subtract(operator->values[i], value_from_integer(1)) : operator->values[i];
+        equations[i] =
+            diagonal ? value_subtract(action->values[i], value_from_integer(1)) : action->values[i];
         exact = exact && equations[i].exact;
     }
     bcifs_status status =
@@ -267,7 +311,8 @@ static bcifs_status one_is_eigenvalue(const struct operator *operator, struct ar
 }
 
 /* ρ(K) <= |K^m|^(1/m), m = 2, 4, 8, …: for orders for which no eigenvectors are computed. */
-static bcifs_status radius_by_powers(double *power, size_t count, double error, struct arena *arena, double *upper)
+static bcifs_status radius_by_powers(double *power, size_t count, double error, struct arena *arena,
+                                     double *upper)
 {
     double *square = arena_new(arena, count * count, sizeof *square);
     if (!square)
@@ -281,28 +326,26 @@ static bcifs_status radius_by_powers(double *power, size_t count, double error, 
         norm = row_norm(power, count, count);
         exponent /= 2;
         if (norm + error < 1 - TOLERANCE_EXACT)
-            *upper = fmin(pow(norm + error, exponent) * (1 + TOLERANCE_EXACT), 1 - TOLERANCE_EXACT * exponent);
+            *upper =
+                fmin(pow(norm + error, exponent) * (1 + TOLERANCE_EXACT), 1 - TOLERANCE_EXACT * exponent);
     }
     return BCIFS_OK;
 }
 
 bcifs_status similar_radius(const struct similar *similar, struct arena *arena, double *lower, double *upper)
 {
-    struct operator operator;
+    struct action action;
     struct joint_bounds bounds;
-    bcifs_status status = operator_make(similar, arena, &operator);
+    bcifs_status status = action_make(similar, arena, &action);
     if (status)
         return status;
-    size_t count = operator.count;
-    double *matrix = arena_new(arena, count * count, sizeof *matrix);
-    double *error = arena_new(arena, count * count, sizeof *error);
+    size_t count = action.count;
+    double *matrix = arena_new(arena, count * count, sizeof *matrix), *error = action.errors;
     bool finite = true;
-    if (!matrix || !error)
+    if (!matrix)
         return BCIFS_MEMORY;
     for (size_t i = 0; i < count * count; i++) {
-        struct value entry = operator.values[i]; /* pinned already; this asks for its error */
-        error[i] = value_pin(&entry, 4 * TOLERANCE_EQUATION * operator.sizes[i]); /* two factors, and the sums */
-        matrix[i] = entry.real;
+        matrix[i] = action.values[i].real;
         finite = finite && isfinite(matrix[i]) && isfinite(error[i]);
     }
     *lower = 0;
@@ -322,7 +365,7 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
         status = radius_by_powers(matrix, count, off, arena, upper);
     bool found = false;
     if (status == BCIFS_OK && *lower < 1 && *upper >= 1)
-        status = one_is_eigenvalue(&operator, arena, &found);
+        status = one_is_eigenvalue(&action, arena, &found);
     if (found)
         *lower = 1;
     return status;
@@ -331,8 +374,8 @@ bcifs_status similar_radius(const struct similar *similar, struct arena *arena, 
 /* ---- The forms ----------------------------------------------------------------------------------------- */
 
 /* G += factor·T M T^T, T rows × columns. */
-static bcifs_status congruence_add(const struct value_matrix *map, const struct value *form, struct value factor,
-                                   struct value *sum, struct arena *arena)
+static bcifs_status congruence_add(const struct value_matrix *map, const struct value *form,
+                                   struct value factor, struct value *sum, struct arena *arena)
 {
     size_t rows = map->rows, columns = map->columns;
     struct value *left = zeros_new(arena, rows * columns);
@@ -380,7 +423,7 @@ static bcifs_status given_sum(const struct similar *similar, const struct simila
 }
 
 /* Σ c_ab φ_a φ_b (twice where a < b) - 4 = 0. */
-static bcifs_status norm_equation(const struct similar *similar, const struct operator *operator,
+static bcifs_status norm_equation(const struct similar *similar, const struct action *action,
                                   const struct value *functional, size_t x, struct value *equation,
                                   struct arena *arena)
 {
@@ -389,21 +432,21 @@ static bcifs_status norm_equation(const struct similar *similar, const struct op
     bcifs_status status = functional_restrict(frame, functional, arena, &phi);
     if (status)
         return status;
-    size_t entry = operator->base[x];
+    size_t entry = action->base[x];
     for (size_t a = 0; a < frame->dimension; a++)
         for (size_t b = a; b < frame->dimension; b++)
             equation[entry++] =
                 value_multiply(value_multiply(phi[a], phi[b]), value_from_integer(a == b ? 1 : 2));
-    equation[operator->count] = value_from_integer(-4);
+    equation[action->count] = value_from_integer(-4);
     return BCIFS_OK;
 }
 
 /* c - K c = what is given, entry by entry. */
 static bcifs_status equations_make(const struct similar *similar, const struct similar_data *data,
-                                   const struct operator *operator, struct value *equations, struct arena *arena)
+                                   const struct action *action, struct value *equations, struct arena *arena)
 {
     const struct reach *reach = similar->reach;
-    size_t unknowns = operator->count + 1, row = 0;
+    size_t unknowns = action->count + 1, row = 0;
     for (size_t k = reach->first[similar->component]; k < reach->first[similar->component + 1]; k++) {
         size_t x = reach->members[k];
         const struct frame *frame = &similar->frames[x];
@@ -423,17 +466,17 @@ static bcifs_status equations_make(const struct similar *similar, const struct s
         for (size_t a = 0; a < frame->dimension; a++)
             for (size_t b = a + (similar->sign < 0); b < frame->dimension; b++, row++) {
                 struct value *equation = &equations[row * unknowns];
-                for (size_t j = 0; j < operator->count; j++)
-                    equation[j] = value_negate(operator->values[row * operator->count + j]);
+                for (size_t j = 0; j < action->count; j++)
+                    equation[j] = value_negate(action->values[row * action->count + j]);
                 equation[row] = value_add(equation[row], value_from_integer(1));
-                equation[operator->count] = value_negate(given[a * frame->dimension + b]);
+                equation[action->count] = value_negate(given[a * frame->dimension + b]);
             }
     }
     for (size_t k = reach->first[similar->component];
          k < reach->first[similar->component + 1] && data->functionals; k++, row++) {
         size_t x = reach->members[k];
         bcifs_status status =
-            norm_equation(similar, operator, data->functionals[x], x, &equations[row * unknowns], arena);
+            norm_equation(similar, action, data->functionals[x], x, &equations[row * unknowns], arena);
         if (status)
             return status;
     }
@@ -441,8 +484,9 @@ static bcifs_status equations_make(const struct similar *similar, const struct s
 }
 
 /* part + B c B^T; `entries` are those of c. */
-static bcifs_status form_compose(const struct frame *frame, const struct value *part, const struct value *entries,
-                                 int sign, struct arena *arena, const struct value **form)
+static bcifs_status form_compose(const struct frame *frame, const struct value *part,
+                                 const struct value *entries, int sign, struct arena *arena,
+                                 const struct value **form)
 {
     size_t points = frame->points, n = frame->dimension;
     struct value_matrix *c = value_matrix_new(arena, n, n);
@@ -465,8 +509,7 @@ static bcifs_status form_compose(const struct frame *frame, const struct value *
     for (size_t i = 0; i < points; i++)
         for (size_t j = i; j < points; j++) {
             value_pin(&result[i * points + j], 0);
-            result[j * points + i] =
-                sign < 0 ? value_negate(result[i * points + j]) : result[i * points + j];
+            result[j * points + i] = sign < 0 ? value_negate(result[i * points + j]) : result[i * points + j];
         }
     for (size_t i = 0; i < points && sign < 0; i++)
         result[i * points + i] = value_from_integer(0);
@@ -474,31 +517,31 @@ static bcifs_status form_compose(const struct frame *frame, const struct value *
     return status;
 }
 
-bcifs_status similar_solve(const struct similar *similar, const struct similar_data *data, struct arena *arena,
-                           const struct value **forms, bool *solved)
+bcifs_status similar_solve(const struct similar *similar, const struct similar_data *data,
+                           struct arena *arena, const struct value **forms, bool *solved)
 {
     const struct reach *reach = similar->reach;
     struct arena own = {0};
-    struct operator operator;
+    struct action action;
     size_t members = reach->first[similar->component + 1] - reach->first[similar->component], free = 0;
-    bcifs_status status = operator_make(similar, &own, &operator);
-    size_t rows = status ? 0 : operator.count + (data->functionals ? members : 0);
-    size_t unknowns = status ? 0 : operator.count + 1;
+    bcifs_status status = action_make(similar, &own, &action);
+    size_t rows = status ? 0 : action.count + (data->functionals ? members : 0);
+    size_t unknowns = status ? 0 : action.count + 1;
     struct value *equations = status ? NULL : zeros_new(&own, rows * unknowns);
     struct value *solution = status ? NULL : arena_new(&own, unknowns, sizeof *solution);
     if (status == BCIFS_OK && (!equations || !solution))
         status = BCIFS_MEMORY;
     if (status == BCIFS_OK)
-        status = equations_make(similar, data, &operator, equations, &own);
+        status = equations_make(similar, data, &action, equations, &own);
     if (status == BCIFS_OK)
         status = equations_solve(equations, rows, unknowns, true, &own, solution, &free);
     *solved = free == 1;
     if (status == BCIFS_OK)
-        values_pin(solution, operator.count);
+        values_pin(solution, action.count);
     for (size_t k = 0; k < members && status == BCIFS_OK && *solved; k++) {
         size_t x = reach->members[reach->first[similar->component] + k];
         status = form_compose(&similar->frames[x], data->parts ? data->parts[x] : NULL,
-                              solution + operator.base[x], similar->sign, arena, &forms[x]);
+                              solution + action.base[x], similar->sign, arena, &forms[x]);
     }
     arena_free(&own);
     return status;

@@ -7,9 +7,10 @@
 struct walk {
     size_t count;
     const size_t *first, *arcs;
-    size_t *order; /* when a vertex was first seen, from 1; 0: not yet; beyond `count`: its component is known */
-    size_t *low;   /* the earliest vertex on the stack that is known to be reached */
-    size_t *next;  /* the arc to follow next */
+    size_t
+        *order; /* when a vertex was first seen, from 1; 0: not yet; beyond `count`: its component is known */
+    size_t *low;  /* the earliest vertex on the stack that is known to be reached */
+    size_t *next; /* the arc to follow next */
     size_t *stack, height;
     size_t *calls, depth;
     size_t seen;

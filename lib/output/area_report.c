@@ -58,13 +58,25 @@ char *bcifs_area_json(const bcifs_area *area)
 
 enum { MOST_SHOWN = 12 /* control points of a form that is shown */ };
 
-static size_t entry_width(struct value entry)
+/* Appends an entry, padded to `width`; returns how long it is. */
+static size_t append_entry(struct text *text, struct value entry, size_t width)
 {
-    struct text text = {0};
-    value_write(&text, entry);
-    size_t width = text.length;
-    text_free(&text);
-    return width;
+    size_t before = text->length;
+    value_write(text, entry);
+    size_t length = text->length - before;
+    text_append_character(text, ' ', width > length ? width - length : 0);
+    return length;
+}
+
+/* The widest entry of each column, found by writing them and taking that back. */
+static void widths_find(struct text *text, const struct value *entries, size_t size, size_t *widths)
+{
+    size_t before = text->length;
+    for (size_t i = 0; i < size * size; i++) {
+        size_t width = append_entry(text, entries[i], 0);
+        widths[i % size] = width > widths[i % size] ? width : widths[i % size];
+    }
+    text->length = before;
 }
 
 static void append_form(struct text *text, const bcifs_form *form, const struct value *entries)
@@ -76,15 +88,12 @@ static void append_form(struct text *text, const bcifs_form *form, const struct 
         return;
     }
     text_append(text, form->exact ? "\n" : ", rounded\n");
-    for (size_t i = 0; i < n * n; i++) {
-        size_t width = entry_width(entries[i]);
-        widths[i % n] = width > widths[i % n] ? width : widths[i % n];
-    }
+    widths_find(text, entries, n, widths);
     for (size_t i = 0; i < n; i++) {
         text_append(text, "  [ ");
         for (size_t j = 0; j < n; j++) {
-            value_write(text, entries[i * n + j]);
-            text_append_character(text, ' ', widths[j] - entry_width(entries[i * n + j]) + 1);
+            append_entry(text, entries[i * n + j], widths[j]);
+            text_append(text, " ");
         }
         text_append(text, "]\n");
     }

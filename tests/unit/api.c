@@ -140,6 +140,7 @@ static void test_nothing(void)
     bcifs_text_free(NULL);
     bcifs_automaton_free(NULL);
     bcifs_check_free(NULL);
+    bcifs_area_free(NULL);
     bcifs_figure_free(NULL);
     bcifs_points_free(NULL);
     bcifs_plan_free(NULL);
@@ -309,6 +310,45 @@ static void test_figures(void)
     automaton = load("automaton a\ncell c 2 { sub c [ ? 0; 1/2 1 ] }\nfigure f { piece c at 0 1 points [ 0; 1 ] }\n", &error);
     ok(automaton && bcifs_figure_create(automaton, NULL, &figure, &error) == BCIFS_INPUT && strstr(error.message, "?"),
        "entries to be completed: %s", error.message);
+    bcifs_automaton_free(automaton);
+}
+
+/* Takagi's curve over a chord of length 1 and an apex 1 high has the area 1/2, clockwise. */
+static void test_area(void)
+{
+    bcifs_error error;
+    bcifs_automaton *automaton = load(arcs, &error);
+    bcifs_figure *figure = NULL;
+    bcifs_area *area = NULL;
+    bool good = bcifs_figure_create(automaton, NULL, &figure, &error) == BCIFS_OK &&
+                bcifs_area_create(figure, &area, &error) == BCIFS_OK;
+    const bcifs_form *form = good ? bcifs_area_form(area, 0) : NULL;
+    ok(good && bcifs_area_value(area) == -0.5 && bcifs_area_exact(area) &&
+           strcmp(bcifs_area_fraction(area), "-1/2") == 0 && strcmp(form->state, "arc") == 0 && form->size == 3 &&
+           form->exact && form->matrix[1] == 1 && form->matrix[2] == 0 && !bcifs_area_form(area, 1),
+       "the area of Takagi's curve");
+    bcifs_area_free(area);
+    bcifs_figure_free(figure);
+    area = NULL;
+    good = bcifs_figure_create(automaton, &(bcifs_figure_options){.state = "spline", .unplaced = 1}, &figure, &error) ==
+               BCIFS_OK &&
+           bcifs_area_create(figure, &area, &error) == BCIFS_OK;
+    ok(good && bcifs_area_value(area) == 0 && !bcifs_area_exact(area) && !bcifs_area_fraction(area) &&
+           bcifs_area_form(area, 0)->size == 4,
+       "a state without points has a form, no area");
+    bcifs_area_free(area);
+    bcifs_figure_free(figure);
+    static const struct {
+        const char *figure, *message;
+    } cases[] = {{"line", "two coordinates"}, {"dust", "not a curve"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        area = NULL;
+        good = bcifs_figure_create(automaton, &(bcifs_figure_options){.figure = cases[i].figure}, &figure, &error) ==
+                   BCIFS_OK &&
+               bcifs_area_create(figure, &area, &error) == BCIFS_INPUT && !area;
+        ok(good && strstr(error.message, cases[i].message), "refused: %s", error.message);
+        bcifs_figure_free(figure);
+    }
     bcifs_automaton_free(automaton);
 }
 
@@ -540,6 +580,22 @@ static bcifs_status use_point(bcifs_error *error)
     return status ? status : bcifs_point_at_address(shared_figure, "2.0110", point, error);
 }
 
+static bcifs_status use_area(bcifs_error *error)
+{
+    bcifs_area *area = NULL;
+    bcifs_status status = bcifs_area_create(shared_figure, &area, error);
+    char *json = status == BCIFS_OK ? bcifs_area_json(area) : NULL;
+    char *text = status == BCIFS_OK ? bcifs_area_text(area) : NULL;
+    if (status == BCIFS_OK && (!json || !text)) {
+        status = BCIFS_MEMORY;
+        *error = (bcifs_error){.status = status, .message = "no memory"};
+    }
+    bcifs_text_free(json);
+    bcifs_text_free(text);
+    bcifs_area_free(area);
+    return status;
+}
+
 static bcifs_status use_points(bcifs_error *error)
 {
     double *points = NULL;
@@ -645,6 +701,7 @@ static void test_memory(void)
     test_failing("figure", use_figures, false);
     test_failing("plan and walker", use_plan, false);
     test_failing("point_at", use_point, false);
+    test_failing("area", use_area, false);
     test_failing("points_read", use_points, false);
     test_failing("write", use_write, false);
     test_failing("write_text", use_text, false);
@@ -664,6 +721,7 @@ int main(void)
     test_broken();
     test_settings();
     test_figures();
+    test_area();
     test_views();
     test_numbers();
     test_check();
