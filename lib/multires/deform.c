@@ -170,8 +170,33 @@ static double row_sum(const struct sparse *a, size_t row)
     return sum;
 }
 
-/* M_FF, 0 when it is only what products of filters left of zeros. For |λ| below the least 4α/Σ|M_ij| the
- * matrix is positive definite, for its rows are dominated by K >= 2α. */
+/* |M| <= max_i Σ_j |M_ij| d_j / d_i for any d > 0 (Collatz); the best d is an eigenvector of the absolute
+ * values, which a few steps of the power method approach. d, image: n numbers. */
+static double norm_bound(const struct sparse *m, double *d, double *image)
+{
+    enum { STEPS = 12 };
+    double bound = INFINITY;
+    for (size_t i = 0; i < m->rows; i++)
+        d[i] = 1;
+    for (int step = 0; step < STEPS; step++) {
+        double worst = 0, largest = 0;
+        for (size_t i = 0; i < m->rows; i++) {
+            image[i] = 0;
+            for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
+                image[i] += fabs(m->values[k]) * d[m->columns[k]];
+            worst = fmax(worst, image[i] / d[i]);
+            largest = fmax(largest, image[i]);
+        }
+        bound = fmin(bound, worst);
+        /* The mean with d before keeps d positive and the steps from going to and fro. */
+        for (size_t i = 0; i < m->rows; i++)
+            d[i] += image[i] / largest;
+    }
+    return bound;
+}
+
+/* M_FF, 0 when it is only what products of filters left of zeros. As K >= 2α, the matrix is positive definite
+ * for |λ| < 4α/|M|. */
 static bool area_make(struct deform *deform, const struct deform_problem *problem)
 {
     size_t n = problem->free_count;
@@ -186,23 +211,31 @@ static bool area_make(struct deform *deform, const struct deform_problem *proble
     if (deform->linear) {
         size_t *starts = arena_new(&deform->arena, n + 1, sizeof *starts);
         deform->area.starts = starts;
-        if (!starts)
-            return false;
+        deform->verified = INFINITY;
+        return starts != NULL;
     }
-    deform->verified = deform->linear ? INFINITY : 4 * problem->alpha / inside;
+    if (n > COMPLETE)
+        deform->verified = 4 * problem->alpha / norm_bound(&deform->area, deform->image, deform->image + n);
     return true;
 }
 
-/* An order for the patterns of K and M together. */
+/* An order for the pattern of K. */
 static bool order_make(struct deform *deform)
 {
+    size_t *order = arena_new(&deform->arena, deform->count, sizeof *order);
+    deform->order = order;
+    return order && sparse_order(&deform->energy, order);
+}
+
+/* An order for the patterns of K and M together: n indices. */
+static bool order_both(const struct deform *deform, size_t *order)
+{
     size_t n = deform->count, count = 0;
-    size_t *order = arena_new(&deform->arena, n, sizeof *order);
     size_t total = deform->energy.starts[n] + deform->area.starts[n];
     struct triple *triples = memory_new(total, sizeof *triples);
     struct arena scratch = {0};
     struct sparse both;
-    bool made = order && triples;
+    bool made = triples != NULL;
     for (size_t i = 0; made && i < n; i++) {
         for (size_t k = deform->energy.starts[i]; k < deform->energy.starts[i + 1]; k++)
             triples[count++] = (struct triple){i, deform->energy.columns[k], 1};
@@ -212,7 +245,6 @@ static bool order_make(struct deform *deform)
     made = made && sparse_from_triples(&both, n, n, triples, count, &scratch) && sparse_order(&both, order);
     memory_free(triples);
     arena_free(&scratch);
-    deform->order = order;
     return made;
 }
 
@@ -448,8 +480,13 @@ static bool equation_holds(struct deform *deform, const double *delta, double la
 
 static bool sparse_ready(struct deform *deform)
 {
-    return deform->sparse.skew ||
-           pencil_sparse_make(&deform->sparse, &deform->energy, &deform->area, deform->order, &deform->arena);
+    if (deform->sparse.skew)
+        return true;
+    size_t *order = memory_new(deform->count, sizeof *order);
+    bool made = order && order_both(deform, order) &&
+                pencil_sparse_make(&deform->sparse, &deform->energy, &deform->area, order, &deform->arena);
+    memory_free(order);
+    return made;
 }
 
 /* Whether K - iλ/2 M is positive definite; a bit further out is tried first, so that the next drag need not
