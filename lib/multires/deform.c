@@ -13,14 +13,14 @@ enum {
     COMPLETE = 48,      /* up to here the space is everything: reducing it costs less than to grow another */
     FIRST_COLUMNS = 24, /* of a Krylov space */
     MOST_COLUMNS = 160, /* beyond, factoring for each λ costs less */
+    LEAST_COLUMNS = 12, /* two for each start, however many coefficients there are */
     MOST_NUMBERS = 1 << 24 /* of a basis */
 };
 
-/* All vectors are of the free coefficients, n of them. The unknown is what is added to c0 there, δ: with z =
- * c0 + δ
+/* All vectors are of the free coefficients, n of them. The unknown is δ, what is added to c0 there. With
+ * h = (H c0)_F and b = (B c0)_F
  *
- *     objective = ½ δ*Kδ + Re δ*h + constant, h = (H c0)_F,    A(z) = A(c0) + ½ Re δ*b + ¼ δ*Bδ, b = (B
- * c0)_F,
+ *     objective = ½ δ*Kδ + Re δ*h + constant,    A(c0 + δ) = A(c0) + ½ Re δ*b + ¼ δ*Bδ,
  *
  * which has no differences of large numbers when the curve lies far from the origin. c0 = base + direction·d,
  * for the complex displacement d, so h and b are affine in d. */
@@ -118,48 +118,43 @@ static void areas_prepare(struct deform *deform, const struct deform_problem *pr
     deform->along[1] = along[1] / 2;
 }
 
-/* K = H + 2α, and no diagonal entry of H without its TOLERANCE_UNSEEN more. Row i of K from row F_i of H. */
+/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than TOLERANCE_UNSEEN of what H has
+ * there. h: H_FF, n × n, or NULL: 0. */
+static void diagonal_make(const struct sparse *h, size_t n, double alpha, double *diagonal)
+{
+    double largest = 0;
+    for (size_t i = 0; h && i < n; i++) {
+        diagonal[i] = sparse_entry(h, i, i);
+        largest = fmax(largest, diagonal[i]);
+    }
+    if (alpha == 0 && largest == 0)
+        alpha = 1;
+    for (size_t i = 0; i < n; i++)
+        diagonal[i] = fmax(2 * alpha, TOLERANCE_UNSEEN * (diagonal[i] > 0 ? diagonal[i] : largest));
+}
+
+/* K_FF = H_FF + that. */
 static bool energy_make(struct deform *deform, const struct deform_problem *problem)
 {
     size_t n = problem->free_count, count = 0;
-    struct sparse part = {.rows = 0};
-    double alpha = problem->alpha, largest = 0;
+    struct sparse h = {.rows = 0};
     if (problem->energy &&
-        !sparse_select(problem->energy, problem->free, n, problem->free, n, &part, &deform->arena))
+        !sparse_select(problem->energy, problem->free, n, problem->free, n, &h, &deform->arena))
         return false;
-    size_t *starts = arena_new(&deform->arena, n + 1, sizeof *starts);
-    size_t most = (part.rows ? part.starts[n] : 0) + n;
-    uint32_t *columns = arena_new(&deform->arena, most, sizeof *columns);
-    double *values = arena_new(&deform->arena, most, sizeof *values);
-    if (!starts || !columns || !values)
+    struct triple *triples = memory_new((h.rows ? h.starts[n] : 0) + n, sizeof *triples);
+    if (!triples)
         return false;
-    for (size_t i = 0; i < part.rows; i++)
-        largest = fmax(largest, sparse_entry(&part, i, i));
-    if (alpha == 0 && largest == 0)
-        alpha = 1;
-    for (size_t i = 0; i < n; i++) {
-        double own = part.rows ? sparse_entry(&part, i, i) : 0;
-        deform->diagonal[i] = own + fmax(2 * alpha, TOLERANCE_UNSEEN * (own > 0 ? own : largest));
-        bool placed = false;
-        for (size_t k = part.rows ? part.starts[i] : 0; part.rows && k < part.starts[i + 1]; k++) {
-            if (part.columns[k] >= i && !placed) {
-                columns[count] = (uint32_t)i;
-                values[count++] = deform->diagonal[i];
-                placed = true;
-            }
-            if (part.columns[k] != i) {
-                columns[count] = part.columns[k];
-                values[count++] = part.values[k];
-            }
-        }
-        if (!placed) {
-            columns[count] = (uint32_t)i;
-            values[count++] = deform->diagonal[i];
-        }
-        starts[i + 1] = count;
-    }
-    deform->energy = (struct sparse){n, n, starts, columns, values};
-    return true;
+    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, deform->diagonal);
+    for (size_t i = 0; i < n; i++)
+        triples[count++] = (struct triple){i, i, deform->diagonal[i]};
+    for (size_t i = 0; i < h.rows; i++)
+        for (size_t k = h.starts[i]; k < h.starts[i + 1]; k++)
+            triples[count++] = (struct triple){i, h.columns[k], h.values[k]};
+    bool made = sparse_from_triples(&deform->energy, n, n, triples, count, &deform->arena);
+    memory_free(triples);
+    for (size_t i = 0; made && i < n; i++)
+        deform->diagonal[i] = sparse_entry(&deform->energy, i, i);
+    return made;
 }
 
 static double row_sum(const struct sparse *a, size_t row)
@@ -296,15 +291,15 @@ static bool reduce(struct deform *deform)
 {
     size_t r = deform->space.count;
     double *c = memory_new(r, r * sizeof *c), *q = memory_new(r, r * sizeof *q);
-    double *workspace = memory_new(r, 2 * sizeof *workspace), *side = (double *)deform->reduced.side;
+    double *workspace = memory_new(r, 2 * sizeof *workspace);
     bool made = c && q && workspace;
     if (made) {
         krylov_project(&deform->space, c);
-        skew_reduce(c, r, q, side, workspace);
+        skew_reduce(c, r, q, deform->reduced.side, workspace);
         columns_make(deform, q);
         project(deform);
         deform->reduced.size = r;
-        deform->bound = 2 * skew_bound(side, r, workspace);
+        deform->bound = 2 * skew_bound(deform->reduced.side, r, workspace);
     }
     memory_free(c);
     memory_free(q);
@@ -336,8 +331,9 @@ static void space_augment(struct deform *deform)
 
 static bool space_make(struct deform *deform)
 {
-    size_t n = deform->count, most = n < MOST_COLUMNS ? n : MOST_COLUMNS, room = MOST_NUMBERS / n;
-    most = most > room && n > COMPLETE ? (room < 12 ? 12 : room) : most;
+    size_t n = deform->count, most = n < MOST_COLUMNS ? n : MOST_COLUMNS;
+    if (most > LEAST_COLUMNS && most > MOST_NUMBERS / n)
+        most = MOST_NUMBERS / n > LEAST_COLUMNS ? MOST_NUMBERS / n : LEAST_COLUMNS;
     struct arena *arena = &deform->arena;
     deform->reduced = (struct pencil_reduced){0, arena_new(arena, most, sizeof(double)),
                                               arena_new(arena, most, sizeof(double)),
@@ -519,12 +515,11 @@ static bool space_enlarge(struct deform *deform, bool blind)
     return deform->space.count > before;
 }
 
-/* The part of the outcome that is not yet known before. */
+/* What is asked of one drag, and what came of it. */
 struct drag {
     double goal, tolerance, change; /* of the area by δ: wanted, how closely, got */
     double lambda;
     unsigned iterations;
-    bool global;
     enum constraint_outcome outcome;
 };
 
@@ -545,7 +540,6 @@ static bool drag_sparse(struct deform *deform, double *delta, struct drag *drag)
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
         drag->iterations = constraint.iterations;
-        drag->global = true;
     }
     memory_free(workspace);
     return made && drag->outcome != CONSTRAINT_MEMORY;
@@ -567,7 +561,6 @@ static bool drag_solve(struct deform *deform, const double displacement[2], doub
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
         drag->iterations = constraint.iterations;
-        drag->global = true;
         if (is_complete(deform) || drag->outcome == CONSTRAINT_MEMORY)
             return drag->outcome != CONSTRAINT_MEMORY;
         bool completed = drag->outcome == CONSTRAINT_COMPLETED, blind = drag->outcome == CONSTRAINT_BEYOND;
@@ -637,7 +630,7 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
                                            .area = start + drag.change,
                                            .multiplier = drag.lambda,
                                            .iterations = drag.iterations,
-                                           .global = drag.global};
+                                           .global = drag.outcome != CONSTRAINT_BEYOND};
     }
     result_of(deform, displacement, deform->delta, result);
     return BCIFS_OK;
