@@ -147,6 +147,7 @@ static void step_last(struct constraint *c, double step, double goal)
     c->value = goal;
 }
 
+/* The bracket: the value is above the goal at `low`, below it at `high`, or the matrix not definite there. */
 enum constraint_outcome constraint_meet(struct constraint *c, double goal, double tolerance)
 {
     enum { MOST = 400 }; /* bisection from any bracket ends before */
@@ -160,7 +161,7 @@ enum constraint_outcome constraint_meet(struct constraint *c, double goal, doubl
             return CONSTRAINT_BEYOND;
         double next = NAN;
         if (outcome == SPARSE_INDEFINITE) {
-            /* The interval is symmetric. */
+            /* The interval of definiteness is symmetric. */
             low = fmax(low, -fabs(lambda));
             high = fmin(high, fabs(lambda));
             inside = inside > low && inside < high ? inside : 0;

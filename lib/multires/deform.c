@@ -13,14 +13,14 @@ enum {
     COMPLETE = 48,      /* up to here the space is everything: reducing it costs less than to grow another */
     FIRST_COLUMNS = 24, /* of a Krylov space */
     MOST_COLUMNS = 160, /* beyond, factoring for each λ costs less */
+    LEAST_COLUMNS = 12, /* two for each start, however many coefficients there are */
     MOST_NUMBERS = 1 << 24 /* of a basis */
 };
 
-/* All vectors are of the free coefficients, n of them. The unknown is what is added to c0 there, δ: with z =
- * c0 + δ
+/* All vectors are of the free coefficients, n of them. The unknown is δ, what is added to c0 there. With
+ * h = (H c0)_F and b = (B c0)_F
  *
- *     objective = ½ δ*Kδ + Re δ*h + constant, h = (H c0)_F,    A(z) = A(c0) + ½ Re δ*b + ¼ δ*Bδ, b = (B
- * c0)_F,
+ *     objective = ½ δ*Kδ + Re δ*h + constant,    A(c0 + δ) = A(c0) + ½ Re δ*b + ¼ δ*Bδ,
  *
  * which has no differences of large numbers when the curve lies far from the origin. c0 = base + direction·d,
  * for the complex displacement d, so h and b are affine in d. */
@@ -118,48 +118,43 @@ static void areas_prepare(struct deform *deform, const struct deform_problem *pr
     deform->along[1] = along[1] / 2;
 }
 
-/* K = H + 2α, and no diagonal entry of H without its TOLERANCE_UNSEEN more. Row i of K from row F_i of H. */
+/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than TOLERANCE_UNSEEN of what H has
+ * there. h: H_FF, n × n, or NULL: 0. */
+static void diagonal_make(const struct sparse *h, size_t n, double alpha, double *diagonal)
+{
+    double largest = 0;
+    for (size_t i = 0; h && i < n; i++) {
+        diagonal[i] = sparse_entry(h, i, i);
+        largest = fmax(largest, diagonal[i]);
+    }
+    if (alpha == 0 && largest == 0)
+        alpha = 1;
+    for (size_t i = 0; i < n; i++)
+        diagonal[i] = fmax(2 * alpha, TOLERANCE_UNSEEN * (diagonal[i] > 0 ? diagonal[i] : largest));
+}
+
+/* K_FF = H_FF + that. */
 static bool energy_make(struct deform *deform, const struct deform_problem *problem)
 {
     size_t n = problem->free_count, count = 0;
-    struct sparse part = {.rows = 0};
-    double alpha = problem->alpha, largest = 0;
+    struct sparse h = {.rows = 0};
     if (problem->energy &&
-        !sparse_select(problem->energy, problem->free, n, problem->free, n, &part, &deform->arena))
+        !sparse_select(problem->energy, problem->free, n, problem->free, n, &h, &deform->arena))
         return false;
-    size_t *starts = arena_new(&deform->arena, n + 1, sizeof *starts);
-    size_t most = (part.rows ? part.starts[n] : 0) + n;
-    uint32_t *columns = arena_new(&deform->arena, most, sizeof *columns);
-    double *values = arena_new(&deform->arena, most, sizeof *values);
-    if (!starts || !columns || !values)
+    struct triple *triples = memory_new((h.rows ? h.starts[n] : 0) + n, sizeof *triples);
+    if (!triples)
         return false;
-    for (size_t i = 0; i < part.rows; i++)
-        largest = fmax(largest, sparse_entry(&part, i, i));
-    if (alpha == 0 && largest == 0)
-        alpha = 1;
-    for (size_t i = 0; i < n; i++) {
-        double own = part.rows ? sparse_entry(&part, i, i) : 0;
-        deform->diagonal[i] = own + fmax(2 * alpha, TOLERANCE_UNSEEN * (own > 0 ? own : largest));
-        bool placed = false;
-        for (size_t k = part.rows ? part.starts[i] : 0; part.rows && k < part.starts[i + 1]; k++) {
-            if (part.columns[k] >= i && !placed) {
-                columns[count] = (uint32_t)i;
-                values[count++] = deform->diagonal[i];
-                placed = true;
-            }
-            if (part.columns[k] != i) {
-                columns[count] = part.columns[k];
-                values[count++] = part.values[k];
-            }
-        }
-        if (!placed) {
-            columns[count] = (uint32_t)i;
-            values[count++] = deform->diagonal[i];
-        }
-        starts[i + 1] = count;
-    }
-    deform->energy = (struct sparse){n, n, starts, columns, values};
-    return true;
+    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, deform->diagonal);
+    for (size_t i = 0; i < n; i++)
+        triples[count++] = (struct triple){i, i, deform->diagonal[i]};
+    for (size_t i = 0; i < h.rows; i++)
+        for (size_t k = h.starts[i]; k < h.starts[i + 1]; k++)
+            triples[count++] = (struct triple){i, h.columns[k], h.values[k]};
+    bool made = sparse_from_triples(&deform->energy, n, n, triples, count, &deform->arena);
+    memory_free(triples);
+    for (size_t i = 0; made && i < n; i++)
+        deform->diagonal[i] = sparse_entry(&deform->energy, i, i);
+    return made;
 }
 
 static double row_sum(const struct sparse *a, size_t row)
@@ -170,8 +165,33 @@ static double row_sum(const struct sparse *a, size_t row)
     return sum;
 }
 
-/* M_FF, 0 when it is only what products of filters left of zeros. For |λ| below the least 4α/Σ|M_ij| the
- * matrix is positive definite, for its rows are dominated by K >= 2α. */
+/* |M| <= max_i Σ_j |M_ij| d_j / d_i for any d > 0 (Collatz); the best d is an eigenvector of the absolute
+ * values, which a few steps of the power method approach. d, image: n numbers. */
+static double norm_bound(const struct sparse *m, double *d, double *image)
+{
+    enum { STEPS = 12 };
+    double bound = INFINITY;
+    for (size_t i = 0; i < m->rows; i++)
+        d[i] = 1;
+    for (int step = 0; step < STEPS; step++) {
+        double worst = 0, largest = 0;
+        for (size_t i = 0; i < m->rows; i++) {
+            image[i] = 0;
+            for (size_t k = m->starts[i]; k < m->starts[i + 1]; k++)
+                image[i] += fabs(m->values[k]) * d[m->columns[k]];
+            worst = fmax(worst, image[i] / d[i]);
+            largest = fmax(largest, image[i]);
+        }
+        bound = fmin(bound, worst);
+        /* The mean with d before keeps d positive and the steps from going to and fro. */
+        for (size_t i = 0; i < m->rows; i++)
+            d[i] += image[i] / largest;
+    }
+    return bound;
+}
+
+/* M_FF, 0 when it is only what products of filters left of zeros. As K >= 2α, the matrix is positive definite
+ * for |λ| < 4α/|M|. */
 static bool area_make(struct deform *deform, const struct deform_problem *problem)
 {
     size_t n = problem->free_count;
@@ -186,23 +206,31 @@ static bool area_make(struct deform *deform, const struct deform_problem *proble
     if (deform->linear) {
         size_t *starts = arena_new(&deform->arena, n + 1, sizeof *starts);
         deform->area.starts = starts;
-        if (!starts)
-            return false;
+        deform->verified = INFINITY;
+        return starts != NULL;
     }
-    deform->verified = deform->linear ? INFINITY : 4 * problem->alpha / inside;
+    if (n > COMPLETE)
+        deform->verified = 4 * problem->alpha / norm_bound(&deform->area, deform->image, deform->image + n);
     return true;
 }
 
-/* An order for the patterns of K and M together. */
+/* An order for the pattern of K. */
 static bool order_make(struct deform *deform)
 {
+    size_t *order = arena_new(&deform->arena, deform->count, sizeof *order);
+    deform->order = order;
+    return order && sparse_order(&deform->energy, order);
+}
+
+/* An order for the patterns of K and M together: n indices. */
+static bool order_both(const struct deform *deform, size_t *order)
+{
     size_t n = deform->count, count = 0;
-    size_t *order = arena_new(&deform->arena, n, sizeof *order);
     size_t total = deform->energy.starts[n] + deform->area.starts[n];
     struct triple *triples = memory_new(total, sizeof *triples);
     struct arena scratch = {0};
     struct sparse both;
-    bool made = order && triples;
+    bool made = triples != NULL;
     for (size_t i = 0; made && i < n; i++) {
         for (size_t k = deform->energy.starts[i]; k < deform->energy.starts[i + 1]; k++)
             triples[count++] = (struct triple){i, deform->energy.columns[k], 1};
@@ -212,7 +240,6 @@ static bool order_make(struct deform *deform)
     made = made && sparse_from_triples(&both, n, n, triples, count, &scratch) && sparse_order(&both, order);
     memory_free(triples);
     arena_free(&scratch);
-    deform->order = order;
     return made;
 }
 
@@ -264,15 +291,15 @@ static bool reduce(struct deform *deform)
 {
     size_t r = deform->space.count;
     double *c = memory_new(r, r * sizeof *c), *q = memory_new(r, r * sizeof *q);
-    double *workspace = memory_new(r, 2 * sizeof *workspace), *side = (double *)deform->reduced.side;
+    double *workspace = memory_new(r, 2 * sizeof *workspace);
     bool made = c && q && workspace;
     if (made) {
         krylov_project(&deform->space, c);
-        skew_reduce(c, r, q, side, workspace);
+        skew_reduce(c, r, q, deform->reduced.side, workspace);
         columns_make(deform, q);
         project(deform);
         deform->reduced.size = r;
-        deform->bound = 2 * skew_bound(side, r, workspace);
+        deform->bound = 2 * skew_bound(deform->reduced.side, r, workspace);
     }
     memory_free(c);
     memory_free(q);
@@ -304,8 +331,9 @@ static void space_augment(struct deform *deform)
 
 static bool space_make(struct deform *deform)
 {
-    size_t n = deform->count, most = n < MOST_COLUMNS ? n : MOST_COLUMNS, room = MOST_NUMBERS / n;
-    most = most > room && n > COMPLETE ? (room < 12 ? 12 : room) : most;
+    size_t n = deform->count, most = n < MOST_COLUMNS ? n : MOST_COLUMNS;
+    if (most > LEAST_COLUMNS && most > MOST_NUMBERS / n)
+        most = MOST_NUMBERS / n > LEAST_COLUMNS ? MOST_NUMBERS / n : LEAST_COLUMNS;
     struct arena *arena = &deform->arena;
     deform->reduced = (struct pencil_reduced){0, arena_new(arena, most, sizeof(double)),
                                               arena_new(arena, most, sizeof(double)),
@@ -448,8 +476,13 @@ static bool equation_holds(struct deform *deform, const double *delta, double la
 
 static bool sparse_ready(struct deform *deform)
 {
-    return deform->sparse.skew ||
-           pencil_sparse_make(&deform->sparse, &deform->energy, &deform->area, deform->order, &deform->arena);
+    if (deform->sparse.skew)
+        return true;
+    size_t *order = memory_new(deform->count, sizeof *order);
+    bool made = order && order_both(deform, order) &&
+                pencil_sparse_make(&deform->sparse, &deform->energy, &deform->area, order, &deform->arena);
+    memory_free(order);
+    return made;
 }
 
 /* Whether K - iλ/2 M is positive definite; a bit further out is tried first, so that the next drag need not
@@ -482,12 +515,11 @@ static bool space_enlarge(struct deform *deform, bool blind)
     return deform->space.count > before;
 }
 
-/* The part of the outcome that is not yet known before. */
+/* What is asked of one drag, and what came of it. */
 struct drag {
     double goal, tolerance, change; /* of the area by δ: wanted, how closely, got */
     double lambda;
     unsigned iterations;
-    bool global;
     enum constraint_outcome outcome;
 };
 
@@ -508,7 +540,6 @@ static bool drag_sparse(struct deform *deform, double *delta, struct drag *drag)
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
         drag->iterations = constraint.iterations;
-        drag->global = true;
     }
     memory_free(workspace);
     return made && drag->outcome != CONSTRAINT_MEMORY;
@@ -530,7 +561,6 @@ static bool drag_solve(struct deform *deform, const double displacement[2], doub
         drag->outcome = meet(deform, &constraint, drag->goal, drag->tolerance, delta, &drag->change);
         drag->lambda = constraint.lambda;
         drag->iterations = constraint.iterations;
-        drag->global = true;
         if (is_complete(deform) || drag->outcome == CONSTRAINT_MEMORY)
             return drag->outcome != CONSTRAINT_MEMORY;
         bool completed = drag->outcome == CONSTRAINT_COMPLETED, blind = drag->outcome == CONSTRAINT_BEYOND;
@@ -600,7 +630,7 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
                                            .area = start + drag.change,
                                            .multiplier = drag.lambda,
                                            .iterations = drag.iterations,
-                                           .global = drag.global};
+                                           .global = drag.outcome != CONSTRAINT_BEYOND};
     }
     result_of(deform, displacement, deform->delta, result);
     return BCIFS_OK;

@@ -8,7 +8,7 @@
 
 struct pencil_reduced {
     size_t size;
-    const double *side;      /* of T: size numbers */
+    double *side;            /* of T: size numbers */
     double *below, *inverse; /* the factors: size numbers each */
 };
 

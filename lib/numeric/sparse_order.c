@@ -263,14 +263,18 @@ static bool order_choose(const struct neighbors *graph, struct arena *arena, siz
         arena_new(arena, size, sizeof(uint32_t)), arena_new(arena, size, sizeof(uint32_t))};
     if (!candidate || !work.places || !work.parents || !work.ancestors || !work.marks)
         return false;
-    for (size_t i = 0; i < size; i++)
-        order[i] = candidate[i] = i;
-    order_compare(graph, candidate, &work, &least, order);
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; i++) {
+        order[i] = i;
         candidate[i] = size - 1 - i;
-    order_compare(graph, candidate, &work, &least, order);
+    }
     /* A holds each of its entries twice. Where L has GOOD times as many nothing is to be gained; up to FAIR
      * times as many the search for a minimum degree costs more than it saves. */
+    order_compare(graph, candidate, &work, &least, order);
+    if (least <= GOOD * entries / 2)
+        return true;
+    for (size_t i = 0; i < size; i++)
+        candidate[i] = i;
+    order_compare(graph, candidate, &work, &least, order);
     if (least <= GOOD * entries / 2)
         return true;
     order_cuthill_mckee(graph, work.marks, candidate);

@@ -60,7 +60,8 @@
 #define TOLERANCE_CONSTRAINT 1e-14
 
 /* An energy that does not see some deformation leaves it undetermined: at least this share of its own diagonal entry
- * draws each coefficient to where it was. 1e-4 of the digits are then still good in such directions, and all in others. */
+ * draws each coefficient to where it was. What the energy sees is changed by no more; in directions that it does not
+ * see, rounding may move things by 1e-16 over this, 1e-4 of the forces that act. */
 #define TOLERANCE_UNSEEN 1e-12
 
 /* Coefficients of an area that are products of filters and should cancel leave this share of what cancelled. */
