@@ -269,15 +269,14 @@ static bcifs_status step_try(struct fitting *fitting, double slack)
 
 /* Points slide the more freely the better that goes, as in Levenberg and Marquardt's method. A step that does
  * not lower the error is taken back. */
-static bcifs_status improve(struct fitting *fitting)
+static bcifs_status improve(struct fitting *fitting, unsigned most)
 {
     double slack = 1;
     int calm = 0;
     draw(fitting, &fitting->best);
     feet_find(&fitting->feet, fitting->best.positions);
     measure(fitting, &fitting->best);
-    while (fitting->iterations < MOST_ITERATIONS && calm < MOST_CALM &&
-           fitting->best.rms > TOLERANCE_FITTED) {
+    while (fitting->iterations < most && calm < MOST_CALM && fitting->best.rms > TOLERANCE_FITTED) {
         double before = fitting->best.rms;
         bcifs_status status = step_try(fitting, slack);
         if (status)
@@ -332,14 +331,15 @@ bcifs_status bcifs_fit_create(const bcifs_automaton *automaton, const bcifs_curv
     static const bcifs_fit_options defaults = {0};
     struct report report = report_new(NULL);
     struct fitting fitting = {.report = &report};
+    options = options ? options : &defaults;
     bcifs_fit *fresh = memory_new(1, sizeof *fresh);
     bcifs_status status = fresh ? BCIFS_OK : report_memory(&report);
     if (status == BCIFS_OK)
-        status = prepare(&fitting, automaton, target, options ? options : &defaults);
+        status = prepare(&fitting, automaton, target, options);
     if (status == BCIFS_OK)
         status = start(&fitting);
     if (status == BCIFS_OK && fitting.target.dimension > 1)
-        status = improve(&fitting);
+        status = improve(&fitting, options->iterations ? options->iterations : MOST_ITERATIONS);
     if (status == BCIFS_OK)
         status = result_fill(&fitting, automaton, fresh);
     bcifs_figure_free(fitting.figure);

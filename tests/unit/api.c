@@ -580,7 +580,7 @@ static bcifs_status use_fit(bcifs_error *error)
 {
     bcifs_curve *curve = NULL;
     bcifs_fit *fit = NULL;
-    const bcifs_fit_options options = {.figure = "curve", .depth = 3};
+    const bcifs_fit_options options = {.figure = "curve", .depth = 3, .iterations = 2};
     bcifs_status status = bcifs_curve_read("points.csv", NULL, &curve, error);
     if (status == BCIFS_OK)
         status = bcifs_fit_create(shared, curve, &options, &fit, error);
