@@ -316,6 +316,7 @@ typedef struct bcifs_fit_options {
     const char *state;  /* not NULL: one piece in this state instead of a figure of the file */
     size_t pieces;      /* as many pieces; 0: as many as the figure has */
     unsigned depth;     /* at which distances are measured; 0: chosen, 1024 limit points or more */
+    unsigned iterations; /* most steps; 0: 100 */
 } bcifs_fit_options;
 
 /* Finds the control points whose limit curve is nearest to `target`, of 1 to 3 coordinates, in least squares. A closed
@@ -333,7 +334,7 @@ BCIFS_PUBLIC size_t bcifs_fit_pieces(const bcifs_fit *fit);
 /* Root mean square (by arc length) and maximum of the distances of the target's points from the curve, in its units. */
 BCIFS_PUBLIC double bcifs_fit_rms(const bcifs_fit *fit);
 BCIFS_PUBLIC double bcifs_fit_maximum(const bcifs_fit *fit);
-/* Steps that were made, at most 100. */
+/* Steps that were made. */
 BCIFS_PUBLIC unsigned bcifs_fit_iterations(const bcifs_fit *fit);
 /* The control points as CSV; all of the above as one JSON object. Free with bcifs_text_free. NULL: no memory. */
 BCIFS_PUBLIC char *bcifs_fit_csv(const bcifs_fit *fit);

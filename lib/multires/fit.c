@@ -62,6 +62,10 @@ static bcifs_status figure_make(struct fitting *fitting, const bcifs_automaton *
                                          .state = options->state,
                                          .pieces = options->pieces,
                                          .unplaced = options->state != NULL};
+    if (options->pieces > BASIS_MOST_FUNCTIONS)
+        return report_failure(fitting->report, BCIFS_INPUT, NULL,
+                              "%zu pieces have more blending functions than the limit, %d", options->pieces,
+                              BASIS_MOST_FUNCTIONS);
     bcifs_status status = bcifs_figure_create(automaton, &choice, &fitting->figure, &error);
     if (status) {
         fitting->report->first = error;
@@ -197,7 +201,7 @@ static bcifs_status start_try(struct fitting *fitting, const double *parameters,
     size_t numbers = fitting->blending.functions * fitting->target.dimension;
     double whole = (double)fitting->blending.segments;
     for (size_t j = 0; j < fitting->target.count; j++) {
-        double t = parameters[j] + shift, turns = t >= 1 && fitting->blending.closed ? 1 : 0;
+        double t = parameters[j] + shift, turns = fitting->blending.closed ? floor(t) : 0;
         trial->positions[j] = blending_position(&fitting->blending, t - turns) + turns * whole;
     }
     memset(trial->x, 0, numbers * sizeof *trial->x);
@@ -221,9 +225,10 @@ static bcifs_status start(struct fitting *fitting)
     for (size_t j = 0; j < target->count; j++)
         difference = fmax(difference, fabs(target->shares[j] - target->lengths[j]));
     for (size_t i = 0; i < shifts && status == BCIFS_OK; i++) {
-        status = start_try(fitting, target->lengths, (double)i * step);
+        double shift = i > shifts / 2 ? -(double)(shifts - i) * step : (double)i * step; /* small ones */
+        status = start_try(fitting, target->lengths, shift);
         if (status == BCIFS_OK && difference > TOLERANCE_EQUATION)
-            status = start_try(fitting, target->shares, (double)i * step);
+            status = start_try(fitting, target->shares, shift);
     }
     return status;
 }
@@ -264,15 +269,14 @@ static bcifs_status step_try(struct fitting *fitting, double slack)
 
 /* Points slide the more freely the better that goes, as in Levenberg and Marquardt's method. A step that does
  * not lower the error is taken back. */
-static bcifs_status improve(struct fitting *fitting)
+static bcifs_status improve(struct fitting *fitting, unsigned most)
 {
     double slack = 1;
     int calm = 0;
     draw(fitting, &fitting->best);
     feet_find(&fitting->feet, fitting->best.positions);
     measure(fitting, &fitting->best);
-    while (fitting->iterations < MOST_ITERATIONS && calm < MOST_CALM &&
-           fitting->best.rms > TOLERANCE_FITTED) {
+    while (fitting->iterations < most && calm < MOST_CALM && fitting->best.rms > TOLERANCE_FITTED) {
         double before = fitting->best.rms;
         bcifs_status status = step_try(fitting, slack);
         if (status)
@@ -327,14 +331,15 @@ bcifs_status bcifs_fit_create(const bcifs_automaton *automaton, const bcifs_curv
     static const bcifs_fit_options defaults = {0};
     struct report report = report_new(NULL);
     struct fitting fitting = {.report = &report};
+    options = options ? options : &defaults;
     bcifs_fit *fresh = memory_new(1, sizeof *fresh);
     bcifs_status status = fresh ? BCIFS_OK : report_memory(&report);
     if (status == BCIFS_OK)
-        status = prepare(&fitting, automaton, target, options ? options : &defaults);
+        status = prepare(&fitting, automaton, target, options);
     if (status == BCIFS_OK)
         status = start(&fitting);
     if (status == BCIFS_OK && fitting.target.dimension > 1)
-        status = improve(&fitting);
+        status = improve(&fitting, options->iterations ? options->iterations : MOST_ITERATIONS);
     if (status == BCIFS_OK)
         status = result_fill(&fitting, automaton, fresh);
     bcifs_figure_free(fitting.figure);

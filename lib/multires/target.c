@@ -37,6 +37,13 @@ static bcifs_status outline_scale(const struct target *target, const struct bcif
     return BCIFS_OK;
 }
 
+/* The length of a part of a piece. Points of one coordinate are values of a function, whose parameter every
+ * piece has an equal share of: that is what is measured then. */
+static double part_length(const struct outline_piece *piece, double from, double to)
+{
+    return piece->dimension == 1 ? to - from : outline_piece_length(piece, from, to);
+}
+
 /* The parts that a piece is divided into, none longer than the `wanted`-th of the whole. */
 static size_t piece_parts(double length, double total, size_t wanted)
 {
@@ -51,7 +58,7 @@ static bcifs_status pieces_measure(struct target *target, const struct bcifs_cur
     *total = 0;
     for (size_t i = 0; i < pieces; i++) {
         struct outline_piece piece = outline_piece(outline, i);
-        lengths[i] = outline_piece_length(&piece, 0, 1);
+        lengths[i] = part_length(&piece, 0, 1);
         *total += lengths[i];
     }
     if (!(*total > 0))
@@ -75,7 +82,7 @@ static void points_fill(struct target *target, const struct bcifs_curve *outline
         for (size_t j = 0; j < parts; j++, next++) {
             double share = (double)j / (double)parts;
             outline_piece_point(&piece, share, target->points + next * target->dimension);
-            target->lengths[next] = fmin(1, (before + outline_piece_length(&piece, 0, share)) / total);
+            target->lengths[next] = fmin(1, (before + part_length(&piece, 0, share)) / total);
             target->shares[next] = ((double)i + share) / (double)pieces;
         }
         before += lengths[i];

@@ -606,6 +606,52 @@ static bcifs_status use_points(bcifs_error *error)
     return status;
 }
 
+static bcifs_status use_curves(bcifs_error *error)
+{
+    static const char *const paths[] = {"path.svg", "points.csv"};
+    bcifs_status status = BCIFS_OK;
+    for (int i = 0; i < 2 && status == BCIFS_OK; i++) {
+        bcifs_curve *curve = NULL;
+        bcifs_figure *figure = NULL;
+        bcifs_plan *plan = NULL;
+        status = bcifs_curve_read(paths[i], NULL, &curve, error);
+        const bcifs_figure_options options = {.figure = "curve", .curve = curve};
+        if (status == BCIFS_OK)
+            status = bcifs_figure_create(shared, &options, &figure, error);
+        if (status == BCIFS_OK)
+            status = bcifs_plan_create(figure, &(bcifs_view){.depth = 2}, &plan, error);
+        const bcifs_layer layers[] = {{.plan = plan}, {.curve = curve, .role = BCIFS_TARGET}};
+        const bcifs_write_options writing = {.width = 50};
+        if (status == BCIFS_OK)
+            status = bcifs_write(figure, layers, 2, "out.svg", &writing, error);
+        remove("out.svg");
+        bcifs_plan_free(plan);
+        bcifs_figure_free(figure);
+        bcifs_curve_free(curve);
+    }
+    return status;
+}
+
+static bcifs_status use_fit(bcifs_error *error)
+{
+    bcifs_curve *curve = NULL;
+    bcifs_fit *fit = NULL;
+    const bcifs_fit_options options = {.figure = "curve", .depth = 3, .iterations = 2};
+    bcifs_status status = bcifs_curve_read("points.csv", NULL, &curve, error);
+    if (status == BCIFS_OK)
+        status = bcifs_fit_create(shared, curve, &options, &fit, error);
+    char *csv = status ? NULL : bcifs_fit_csv(fit), *json = status ? NULL : bcifs_fit_json(fit);
+    if (status == BCIFS_OK && (!csv || !json)) {
+        status = BCIFS_MEMORY;
+        *error = (bcifs_error){.status = status, .message = "no memory"};
+    }
+    bcifs_text_free(csv);
+    bcifs_text_free(json);
+    bcifs_fit_free(fit);
+    bcifs_curve_free(curve);
+    return status;
+}
+
 static bcifs_status use_write(bcifs_error *error)
 {
     bcifs_status status = BCIFS_OK;
@@ -691,6 +737,7 @@ static void test_memory(void)
         abort();
     file_make("arcs.bcifs", arcs);
     file_make("points.csv", "x,y\n0,0\n1,2\n2,0\n");
+    file_make("path.svg", "<svg><g transform='scale(2)'><path d='M0 0L1 2C2 2 3 2 4 0L5 5 6 6'/></g></svg>");
     shared = load(arcs, &error);
     if (bcifs_figure_create(shared, &(bcifs_figure_options){.figure = "ring"}, &shared_figure, &error) != BCIFS_OK)
         abort();
@@ -703,6 +750,8 @@ static void test_memory(void)
     test_failing("point_at", use_point, false);
     test_failing("area", use_area, false);
     test_failing("points_read", use_points, false);
+    test_failing("curve_read, pictures of it", use_curves, false);
+    test_failing("fit", use_fit, false);
     test_failing("write", use_write, false);
     test_failing("write_text", use_text, false);
     bcifs_figure_free(shared_figure);
@@ -711,6 +760,7 @@ static void test_memory(void)
     free(whole_text);
     remove("arcs.bcifs");
     remove("points.csv");
+    remove("path.svg");
     ok(chdir("/") == 0 && rmdir(directory) == 0, "no file is left behind");
     ok(alive == 0, "no block is left over");
 }
