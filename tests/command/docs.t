@@ -51,11 +51,11 @@ sub blocks {
 # A directory in which the commands of a page find what they find in the source.
 sub workplace {
     my $directory = File::Temp->newdir();
-    mkdir "$directory/$_" or die "$_: $!" for qw(build tools);
+    mkdir "$directory/$_" or die "$_: $!" for qw(build tools docs);
     symlink $BCIFS, "$directory/build/bcifs" or die $!;
     symlink $BCIFS, "$directory/tools/bcifs" or die $!;
     symlink "$BUILD/libbcifs.a", "$directory/build/libbcifs.a" or die $!;
-    symlink "$ROOT/$_", "$directory/$_" or die $! for qw(automata include);
+    symlink "$ROOT/$_", "$directory/$_" or die $! for qw(automata include docs/examples docs/figures);
     # The compiler of this build; a library with sanitizers links with them only.
     my $compiler = $ENV{CC} // 'cc';
     my $flags = -e "$BUILD/flags" ? file_text("$BUILD/flags") : '';
@@ -112,8 +112,7 @@ sub shell_block {
             qx(cd '$ROOT' && $line -n 2>&1);
             is($?, 0, "$where: '$line' is known");
         } elsif ($line =~ m{^build/bcifs .* -o docs/}) {
-            mkdir "$directory/docs";
-            my ($status, $output) = run_line($directory, $line);
+                my ($status, $output) = run_line($directory, $line);
             is($status, 0, "$where: '$line' succeeds") or diag($output);
         } else {
             fail("$where: do not know how to try '$line'");
@@ -129,6 +128,14 @@ sub pictures_compare {
         my ($new, $old) = map { join '', file_text($_) =~ /(<path.*?>)/gs } $path, "$ROOT/docs/$name";
         ok(length $new && $new eq $old, "docs/$name is what its command draws");
     }
+}
+
+# Whether the numbers of two texts agree to a hundredth of a pixel, and all else to the letter.
+sub is_near {
+    my ($one, $other) = @_;
+    my @numbers = map { [/(-?[\d.]+)/g] } $one, $other;
+    return 0 if @{$numbers[0]} != @{$numbers[1]};
+    return !grep { abs($numbers[0][$_] - $numbers[1][$_]) > 0.011 } 0 .. $#{$numbers[0]};
 }
 
 for my $page (@pages) {
@@ -149,6 +156,18 @@ for my $page (@pages) {
         }
     }
     pictures_compare($directory);
+}
+
+# The pictures of the editor are what their script makes, up to the words in them.
+{
+    my $made = File::Temp->newdir();
+    my $status = system("cd '$ROOT' && BCIFS='$BCIFS' sh docs/figures.sh '$made'");
+    is($status, 0, 'docs/figures.sh makes the pictures of the editor');
+    for my $path (glob "$ROOT/docs/figures/*.svg") {
+        my $name = basename($path);
+        my ($new, $old) = map { -e $_ ? join('', file_text($_) =~ /(<path.*?>)/gs) : '' } "$made/$name", $path;
+        ok(length $new && is_near($new, $old), "docs/figures/$name is what the script draws");
+    }
 }
 
 # ---- Links -------------------------------------------------------------------------------------------------
