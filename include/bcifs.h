@@ -601,7 +601,8 @@ BCIFS_PUBLIC bcifs_status bcifs_editor_figure(const bcifs_editor *editor, bcifs_
 typedef struct bcifs_edit_report {
     double before, deformed, after, target; /* areas; NAN where the scheme has none. `after` is computed from the fine
                                                control points of the answer */
-    double relative_error;                  /* of `after`, against the target or the largest of the areas */
+    double relative_error; /* of `after`, against the target or, when that is nearly 0, a hundredth of the square of the
+                              curve's extent from its middle */
     double energy_deformed, energy_after;
     unsigned iterations; /* values of λ that were tried */
     double multiplier;   /* λ */

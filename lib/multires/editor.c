@@ -3,6 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+/* Areas of curves that turn both ways cancel: one below this share of the square that the curve extends over is told
+ * relative to that. */
+static const double AREA_SHARE = 0.01;
+
 /* ---- Stages -------------------------------------------------------------------------------------------- */
 
 static size_t numbers(const bcifs_editor *editor)
@@ -713,13 +717,22 @@ bcifs_status bcifs_editor_figure(const bcifs_editor *editor, bcifs_stage stage, 
     return report_close(&report, error);
 }
 
+/* The square of the largest coordinate of the curve, from its middle. */
+static double stage_extent(const bcifs_editor *editor, bcifs_stage stage)
+{
+    double largest = 0;
+    for (size_t i = 0; i < numbers(editor); i++)
+        largest = fmax(largest, fabs(editor->fine[stage][i]));
+    return largest * largest;
+}
+
 void bcifs_editor_report(const bcifs_editor *editor, bcifs_edit_report *report)
 {
     deformed_refresh(editor);
     const struct sparse *energy = &editor->level->fine_energy;
     double before = stage_area(editor, BCIFS_INITIAL), deformed = stage_area(editor, BCIFS_DEFORMED),
            after = stage_area(editor, BCIFS_RESULT);
-    double size = fmax(fabs(editor->target), 1e-3 * fmax(fabs(before), fmax(fabs(deformed), fabs(after))));
+    double size = fmax(fabs(editor->target), AREA_SHARE * fmax(stage_extent(editor, BCIFS_INITIAL), stage_extent(editor, BCIFS_RESULT)));
     *report = (bcifs_edit_report){.before = before,
                                   .deformed = deformed,
                                   .after = after,

@@ -102,13 +102,6 @@ static double *read_points(const bcifs_editor *editor, bcifs_stage stage)
     return points;
 }
 
-static double *read_scale(const bcifs_editor *editor, bcifs_stage stage)
-{
-    double *points = calloc(2 * bcifs_editor_scale_points(editor), sizeof *points);
-    bcifs_editor_read_scale(editor, stage, points);
-    return points;
-}
-
 /* The largest coordinate, about the first point. */
 static double extent(const double *points, size_t count)
 {
@@ -116,14 +109,6 @@ static double extent(const double *points, size_t count)
     for (size_t i = 0; i < 2 * count; i++)
         size = fmax(size, fabs(points[i] - points[i % 2]));
     return size;
-}
-
-static double distance(const double *a, const double *b, size_t count)
-{
-    double largest = 0;
-    for (size_t i = 0; i < count; i++)
-        largest = isnan(a[i] - b[i]) ? INFINITY : fmax(largest, fabs(a[i] - b[i]));
-    return largest;
 }
 
 /* The area that `bcifs area` finds of a stage; NAN when it does not. */
@@ -375,7 +360,10 @@ static void check_edit(const struct curve_sample *sample, struct job *job, const
         return;
     }
     double *fine = read_points(job->editor, BCIFS_RESULT);
-    double size = fmax(fabs(target), 0.01 * extent(fine, job->count) * extent(fine, job->count));
+    double *start = read_points(job->editor, BCIFS_INITIAL);
+    double reach = fmax(extent(start, job->count), extent(fine, job->count)); /* an answer may shrink to a point */
+    double size = fmax(fabs(target), 0.01 * reach * reach);
+    free(start);
     double after = area_of_stage(job->editor, BCIFS_RESULT), missed = fabs(after - target) / size;
     double gradient = gradient_error(job, edit, is_free, report.multiplier);
     free(fine);
