@@ -350,6 +350,7 @@ static bool solve(const double d[2], double target, double *z, struct deform_out
     return solved;
 }
 
+/* Up to 48 free coefficients the space is complete; beyond, the equation holds to TOLERANCE_RESIDUAL. */
 static void test_reference(void)
 {
     int failures = 0;
@@ -368,7 +369,7 @@ static void test_reference(void)
         worst = fmax(worst, error);
         if (!(solved && outcome.reason == DEFORM_REACHED && outcome.global && area < 1e-13 && error < 1e-9 &&
               fabs(outcome.area - area_of(z, NULL)) < 1e-13 * (fabs(target) + 1) &&
-              stationary_error(z, c0, outcome.multiplier) < 1e-12) &&
+              stationary_error(z, c0, outcome.multiplier) < (free_count > 48 ? 1e-11 : 1e-12)) &&
             ++failures < 5)
             note("round %ld: %zu free of %zu, alpha %g, target %g of %g: reason %d, area %g, error %g, "
                  "lambda %g for %g, "
