@@ -164,7 +164,6 @@ enum constraint_outcome constraint_meet(struct constraint *c, double goal, doubl
             /* The interval of definiteness is symmetric. */
             low = fmax(low, -fabs(lambda));
             high = fmin(high, fabs(lambda));
-            inside = inside > low && inside < high ? inside : 0;
         } else {
             double missing = c->value - goal, step;
             if (fabs(missing) <= fmax(tolerance, noise))

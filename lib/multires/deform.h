@@ -7,8 +7,8 @@
  *     minimize ½ z*Hz + α |z - c0|²   subject to   A(z) = ¼ z*Bz = target.
  *
  * Stationary points solve (K + λ/2 B)_FF z_F = 2α c0_F - (H + λ/2 B)_FX z_X, and the minimizer is global
- * where the matrix on the left is positive definite; there A falls strictly with λ, so that Newton on the one
- * number λ finds it.
+ * where the matrix on the left is positive definite; there A falls strictly with λ, so that a search for the one
+ * number λ finds it (constraint.h).
  *
  * K does not depend on where points are dragged: it is factored once. The problem is then reduced to an
  * antisymmetric matrix C = V^T M_FF V, V^T K_FF V = 1, made tridiagonal, so that one value of λ costs as many
@@ -42,7 +42,7 @@ struct deform_outcome {
     enum deform_reason reason;
     double area;         /* reached, or the nearest that can be */
     double multiplier;   /* λ */
-    unsigned iterations; /* of Newton: solutions for one λ */
+    unsigned iterations; /* solutions for one λ */
     bool global;         /* the matrix was positive definite: no other z has less */
 };
 

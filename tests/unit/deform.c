@@ -320,11 +320,13 @@ static double stationary_error(const double *z, const double *c0, double lambda)
     return worst > 0 ? worst / largest : 0;
 }
 
-/* Relative to the target, but for what rounding leaves uncertain in the area itself. */
-static double area_error(const double *z, double target)
+/* Relative to the target, but for what rounding leaves uncertain in this area and that of the start: up to 2
+ * units in the last place are accepted there, and each sum is good to several more. */
+static double area_error(const double *z, const double *c0, double target)
 {
-    double terms, difference = fabs(area_of(z, &terms) - target);
-    return difference < 1e-15 * terms ? 0 : difference / fabs(target);
+    double terms, terms_start, difference = fabs(area_of(z, &terms) - target);
+    area_of(c0, &terms_start);
+    return difference < 4e-15 * (terms + terms_start) ? 0 : difference / fabs(target);
 }
 
 static double distance(const double *a, const double *b, size_t count)
@@ -348,6 +350,7 @@ static bool solve(const double d[2], double target, double *z, struct deform_out
     return solved;
 }
 
+/* Up to 48 free coefficients the space is complete; beyond, the equation holds to TOLERANCE_RESIDUAL. */
 static void test_reference(void)
 {
     int failures = 0;
@@ -361,12 +364,12 @@ static void test_reference(void)
         start_of(d, c0);
         double target = area_of(c0, NULL) * (1 + number()) + (below(4) == 0 ? number() : 0);
         bool solved = solve(d, target, z, &outcome);
-        double lambda = bisect(c0, target, reference), area = area_error(z, target);
+        double lambda = bisect(c0, target, reference), area = area_error(z, c0, target);
         double error = distance(z, reference, 2 * n);
         worst = fmax(worst, error);
         if (!(solved && outcome.reason == DEFORM_REACHED && outcome.global && area < 1e-13 && error < 1e-9 &&
               fabs(outcome.area - area_of(z, NULL)) < 1e-13 * (fabs(target) + 1) &&
-              stationary_error(z, c0, outcome.multiplier) < 1e-12) &&
+              stationary_error(z, c0, outcome.multiplier) < (free_count > 48 ? 1e-11 : 1e-12)) &&
             ++failures < 5)
             note("round %ld: %zu free of %zu, alpha %g, target %g of %g: reason %d, area %g, error %g, "
                  "lambda %g for %g, "
@@ -391,7 +394,7 @@ static void test_large(void)
         start_of(d, c0);
         double target = area_of(c0, NULL) * (1 + 0.5 * number());
         bool solved = solve(d, target, z, &outcome);
-        double area = area_error(z, target), equation = stationary_error(z, c0, outcome.multiplier);
+        double area = area_error(z, c0, target), equation = stationary_error(z, c0, outcome.multiplier);
         most = outcome.iterations > most ? outcome.iterations : most;
         if (!(solved && outcome.reason == DEFORM_REACHED && outcome.global && area < 1e-13 &&
               equation < 1e-11) &&
@@ -531,7 +534,7 @@ static void test_hard(void)
         }
         double target = sign * exp(3 * number());
         bool solved = solve(none, target, z, &outcome);
-        double area = area_error(z, target), equation = stationary_error(z, c0, outcome.multiplier);
+        double area = area_error(z, c0, target), equation = stationary_error(z, c0, outcome.multiplier);
         bool inside = point_at(outcome.multiplier * (1 - 1e-8), c0, copy);
         bool outside = point_at(outcome.multiplier * (1 + 1e-8), c0, copy);
         double least = fabs(outcome.multiplier * target);
@@ -569,7 +572,7 @@ static void test_symmetric(void)
         double target = area_of(sample.base, NULL) * (2 + 40 * (number() + 1));
         bool solved = solve(none, target, z, &outcome);
         start_of(none, c0);
-        double area = area_error(z, target), equation = stationary_error(z, c0, outcome.multiplier);
+        double area = area_error(z, c0, target), equation = stationary_error(z, c0, outcome.multiplier);
         bool inside = point_at(outcome.multiplier * (1 - 1e-8), c0, copy);
         if (!(solved && outcome.reason == DEFORM_REACHED && area < 1e-13 && equation < 1e-10 && inside &&
               outcome.global) &&
@@ -615,7 +618,7 @@ static void test_reasons(void)
     sample_make(12, 1, 1, 1);
     start_of(none, c0);
     ok(solve(none, -3 * area, z, &outcome) && outcome.reason == DEFORM_REACHED && outcome.global &&
-           area_error(z, -3 * area) < 1e-14 && stationary_error(z, c0, outcome.multiplier) < 1e-14,
+           area_error(z, c0, -3 * area) < 1e-14 && stationary_error(z, c0, outcome.multiplier) < 1e-14,
        "one free coefficient reaches any area");
     sample_free();
 }
@@ -672,7 +675,7 @@ static void test_alpha(void)
         start_of(d, c0);
         double target = area_of(c0, NULL) * (1 + 0.3 * number());
         bool solved = solve(d, target, z, &outcome);
-        double area = area_error(z, target), equation = stationary_error(z, c0, outcome.multiplier);
+        double area = area_error(z, c0, target), equation = stationary_error(z, c0, outcome.multiplier);
         if (!(solved && outcome.reason == DEFORM_REACHED && outcome.global && area < 1e-13 &&
               equation < 1e-10) &&
             ++failures < 5)
