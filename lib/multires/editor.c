@@ -406,7 +406,7 @@ static bcifs_status reach_find(bcifs_editor *editor)
                                        bank->bottom == bank->top ? &drag->arena : &scratch))
         status = BCIFS_OK;
     for (unsigned rung = bank->bottom; rung < bank->top && status == BCIFS_OK; rung++) {
-        struct sparse refinement, next;
+        struct sparse refinement, next = {0};
         status = level_refinement(bank, rung, &scratch, &refinement);
         if (status == BCIFS_OK && !sparse_multiply(&refinement, &reach, &next,
                                                    rung + 1 == bank->top ? &drag->arena : &scratch))
