@@ -82,8 +82,8 @@ static void test_documents(void)
         "<svg><![CDATA[<path d='M9 9L8 8'/>]]><path d='M0 0L1 1'/></svg>",
         "<svg><pathological d='M9 9L8 8'/><path id=\"d\" data-d='x' dd=\"M7 7\" d = \"M0 0L1 1\" /></svg>",
         "<svg title='a > b / c'><g\nid='g'><path\n\td='M0\n0\tL1,1'></path></g></svg>",
-        "<svg><defs><marker><path d='M9 9L8 8'/></marker></defs><clipPath><path d='M5 5z'/></clipPath>"
-        "<path d='M0 0L1 1'/></svg>",
+        ("<svg><defs><marker><path d='M9 9L8 8'/></marker></defs><clipPath><path d='M5 5z'/></clipPath>"
+         "<path d='M0 0L1 1'/></svg>"),
         "<svg:svg><svg:path d='M0 0L1 1'/></svg:svg>",
         "<svg><g transform='rotate(9)'/><rect style='transform:none' transform='?'/><path d='M0 0L1 1'/></svg>",
         "<svg><path d='M0 0L1 1'/><path d='M0 0A",
