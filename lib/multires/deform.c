@@ -58,29 +58,42 @@ struct deform {
 
 /* ---- Preparation: K, M and their images ---------------------------------------------------------------- */
 
-/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. Returns the largest Σ |a_ij|
- * |base_j|, and that of the direction. */
-static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base,
-                       double *direction, double *terms_base, double *terms_direction)
+/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. */
+static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base, double *direction)
 {
-    *terms_base = *terms_direction = 0;
     for (size_t i = 0; a && i < problem->free_count; i++) {
         size_t row = problem->free[i];
-        double terms = 0, along = 0;
         for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++) {
             double value = a->values[k];
-            const double *point = problem->base + 2 * (size_t)a->columns[k];
-            base[2 * i] += value * point[0];
-            base[2 * i + 1] += value * point[1];
-            terms += fabs(value) * (fabs(point[0]) + fabs(point[1]));
-            if (problem->direction) {
+            base[2 * i] += value * problem->base[2 * (size_t)a->columns[k]];
+            base[2 * i + 1] += value * problem->base[2 * (size_t)a->columns[k] + 1];
+            if (problem->direction)
                 direction[i] += value * problem->direction[a->columns[k]];
-                along += fabs(value * problem->direction[a->columns[k]]);
-            }
         }
-        *terms_base = fmax(*terms_base, terms);
-        *terms_direction = fmax(*terms_direction, along);
     }
+}
+
+static double row_sum(const struct sparse *a, size_t row)
+{
+    double sum = 0;
+    for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++)
+        sum += fabs(a->values[k]);
+    return sum;
+}
+
+/* The largest that b could be if nothing cancelled. Coefficients that are rounding themselves, as the details of a
+ * subdivided curve, count like the others: what they alone give is no sensitivity. */
+static void terms_bound(struct deform *deform, const struct deform_problem *problem)
+{
+    double sum = 0, reach = 0, along = 0;
+    for (size_t i = 0; i < problem->free_count; i++)
+        sum = fmax(sum, row_sum(problem->area, problem->free[i]));
+    for (size_t i = 0; i < problem->count; i++) {
+        reach = fmax(reach, fabs(problem->base[2 * i]) + fabs(problem->base[2 * i + 1]));
+        along = fmax(along, problem->direction ? fabs(problem->direction[i]) : 0);
+    }
+    deform->terms_base = sum * reach;
+    deform->terms_direction = sum * along;
 }
 
 /* A(base) = ½ x·M y: each pair of coefficients once, as M is antisymmetric. */
@@ -118,9 +131,9 @@ static void areas_prepare(struct deform *deform, const struct deform_problem *pr
     deform->along[1] = along[1] / 2;
 }
 
-/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than TOLERANCE_UNSEEN of what H has
+/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than the share `unseen` of what H has
  * there. h: H_FF, n × n, or NULL: 0. */
-static void diagonal_make(const struct sparse *h, size_t n, double alpha, double *diagonal)
+static void diagonal_make(const struct sparse *h, size_t n, double alpha, double unseen, double *diagonal)
 {
     double largest = 0;
     for (size_t i = 0; h && i < n; i++) {
@@ -130,11 +143,11 @@ static void diagonal_make(const struct sparse *h, size_t n, double alpha, double
     if (alpha == 0 && largest == 0)
         alpha = 1;
     for (size_t i = 0; i < n; i++)
-        diagonal[i] = fmax(2 * alpha, TOLERANCE_UNSEEN * (diagonal[i] > 0 ? diagonal[i] : largest));
+        diagonal[i] = fmax(2 * alpha, unseen * (diagonal[i] > 0 ? diagonal[i] : largest));
 }
 
 /* K_FF = H_FF + that. */
-static bool energy_make(struct deform *deform, const struct deform_problem *problem)
+static bool energy_make(struct deform *deform, const struct deform_problem *problem, double unseen)
 {
     size_t n = problem->free_count, count = 0;
     struct sparse h = {.rows = 0};
@@ -144,7 +157,7 @@ static bool energy_make(struct deform *deform, const struct deform_problem *prob
     struct triple *triples = memory_new((h.rows ? h.starts[n] : 0) + n, sizeof *triples);
     if (!triples)
         return false;
-    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, deform->diagonal);
+    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, unseen, deform->diagonal);
     for (size_t i = 0; i < n; i++)
         triples[count++] = (struct triple){i, i, deform->diagonal[i]};
     for (size_t i = 0; i < h.rows; i++)
@@ -155,14 +168,6 @@ static bool energy_make(struct deform *deform, const struct deform_problem *prob
     for (size_t i = 0; made && i < n; i++)
         deform->diagonal[i] = sparse_entry(&deform->energy, i, i);
     return made;
-}
-
-static double row_sum(const struct sparse *a, size_t row)
-{
-    double sum = 0;
-    for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++)
-        sum += fabs(a->values[k]);
-    return sum;
 }
 
 /* |M| <= max_i Σ_j |M_ij| d_j / d_i for any d > 0 (Collatz); the best d is an eigenvector of the absolute
@@ -642,7 +647,6 @@ static bool vectors_make(struct deform *deform, const struct deform_problem *pro
 {
     struct arena *arena = &deform->arena;
     size_t n = deform->count;
-    double terms[2];
     deform->diagonal = arena_new(arena, n, sizeof(double));
     deform->energy_base = arena_new(arena, n, 2 * sizeof(double));
     deform->energy_direction = arena_new(arena, n, sizeof(double));
@@ -655,9 +659,9 @@ static bool vectors_make(struct deform *deform, const struct deform_problem *pro
     if (!deform->diagonal || !deform->energy_base || !deform->energy_direction || !deform->area_base ||
         !deform->area_direction || !deform->h || !deform->b || !deform->image || !deform->delta)
         return false;
-    rows_apply(problem->energy, problem, deform->energy_base, deform->energy_direction, &terms[0], &terms[1]);
-    rows_apply(problem->area, problem, deform->area_base, deform->area_direction, &deform->terms_base,
-               &deform->terms_direction);
+    rows_apply(problem->energy, problem, deform->energy_base, deform->energy_direction);
+    rows_apply(problem->area, problem, deform->area_base, deform->area_direction);
+    terms_bound(deform, problem);
     areas_prepare(deform, problem);
     return true;
 }
@@ -682,17 +686,29 @@ static bcifs_status rehearse(struct deform *deform, const struct deform_problem 
     return status;
 }
 
+/* K and its factor. The rounding of many levels can leave H with eigenvalues below 0 that outweigh the least share: a
+ * larger one is taken then. */
+static enum sparse_outcome energy_factor(struct deform *deform, const struct deform_problem *problem)
+{
+    enum sparse_outcome outcome = SPARSE_INDEFINITE;
+    for (double unseen = TOLERANCE_UNSEEN; outcome == SPARSE_INDEFINITE && unseen <= TOLERANCE_UNSEEN_MOST;
+         unseen *= 10) {
+        if (!energy_make(deform, problem, unseen) || (deform->count > COMPLETE && !deform->order && !order_make(deform)))
+            return SPARSE_MEMORY;
+        outcome = sparse_cholesky_factor(&deform->energy, deform->order, &deform->arena, &deform->factor);
+    }
+    return outcome;
+}
+
 static bcifs_status prepare(struct deform *deform, const struct deform_problem *problem)
 {
     if (!vectors_make(deform, problem))
         return BCIFS_MEMORY;
     if (deform->count == 0)
         return BCIFS_OK;
-    if (!energy_make(deform, problem) || !area_make(deform, problem) ||
-        (deform->count > COMPLETE && !order_make(deform)))
+    if (!area_make(deform, problem))
         return BCIFS_MEMORY;
-    enum sparse_outcome outcome =
-        sparse_cholesky_factor(&deform->energy, deform->order, &deform->arena, &deform->factor);
+    enum sparse_outcome outcome = energy_factor(deform, problem);
     if (outcome != SPARSE_DONE)
         return outcome == SPARSE_MEMORY ? BCIFS_MEMORY : BCIFS_INPUT;
     if (!space_make(deform))

@@ -279,22 +279,26 @@ static bool is_global(const struct job *job, const struct edit *edit, const bool
     return definite;
 }
 
-/* The area does not depend on any free coefficient: M_FF = 0 and the rows M_F z vanish. */
+/* The area does not depend on any free coefficient: M_FF = 0 and the rows M_F z vanish, against what they would be
+ * if nothing cancelled. */
 static bool is_insensitive(const struct job *job, const bool *is_free)
 {
     const double *z = job->editor->coefficients[BCIFS_DEFORMED];
     size_t n = job->count;
+    double reach = 0;
+    for (size_t i = 0; i < 2 * n; i++)
+        reach = fmax(reach, fabs(z[i]));
     for (size_t i = 0; i < n; i++) {
-        double x = 0, y = 0, terms = 0;
+        double x = 0, y = 0, sum = 0;
         for (size_t j = 0; j < n && is_free[i]; j++) {
             double m = job->area[i * n + j];
             if (is_free[j] && fabs(m) > 1e-13)
                 return false;
             x += m * z[2 * j];
             y += m * z[2 * j + 1];
-            terms += fabs(m * z[2 * j]) + fabs(m * z[2 * j + 1]);
+            sum += fabs(m);
         }
-        if (fabs(x) + fabs(y) > 1e-12 * terms)
+        if (fabs(x) + fabs(y) > 1e-13 * sum * reach)
             return false;
     }
     return true;
@@ -372,12 +376,15 @@ static void check_edit(const struct curve_sample *sample, struct job *job, const
     tally.area = fmax(tally.area, missed);
     tally.gradient = fmax(tally.gradient, gradient);
     tally.reported = fmax(tally.reported, report.relative_error);
-    if (!(missed <= 1e-12))
+    /* With α = 0 and all free an open curve may straighten into a long one, whose two ends the sum of products of
+     * coordinates, which the area is, tells apart with that many fewer digits. */
+    double tolerance = edit->constraint.alpha == 0 ? 2e-11 : 1e-12;
+    if (!(missed <= tolerance))
         complain(sample, edit, "the area is missed", missed);
-    if (!(fabs(report.before - before) <= 1e-12 * size && fabs(report.after - after) <= 1e-12 * size &&
-          fabs(report.target - target) <= 1e-12 * size && report.relative_error <= 1e-12))
+    if (!(fabs(report.before - before) <= 1e-12 * size && fabs(report.after - after) <= tolerance * size &&
+          fabs(report.target - target) <= 1e-12 * size && report.relative_error <= tolerance))
         complain(sample, edit, "the report differs", report.relative_error);
-    if (!(gradient <= 1e-10))
+    if (!(gradient <= 1e-9))
         complain(sample, edit, "the gradient does not vanish", gradient);
     if (report.global && below(8) == 0 && !is_global(job, edit, is_free, report.multiplier))
         complain(sample, edit, "the answer is not the global minimum", report.multiplier);
