@@ -581,7 +581,8 @@ typedef struct bcifs_move {
 BCIFS_PUBLIC bcifs_status bcifs_editor_move(bcifs_editor *editor, const bcifs_move *moves, size_t count,
                                             bcifs_error *error);
 
-/* Back to the curve before the last edit, and forth again; 0 when there is none. */
+/* Back to the curve before the last edit, and forth again; 0 when there is none. A drag that was not released, and an edit
+ * that did not reach its area, are undone first; whatever else is called then drops them. */
 BCIFS_PUBLIC int bcifs_editor_undo(bcifs_editor *editor);
 BCIFS_PUBLIC int bcifs_editor_redo(bcifs_editor *editor);
 
