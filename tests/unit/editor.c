@@ -2,9 +2,6 @@
  * is measured on the resulting figure and as the limit of polygons; the first-order conditions are written out with
  * dense matrices, the reconstruction of unit vectors; what must stay is compared bit for bit; curves that are moved,
  * turned and scaled have answers that are. */
-#include <float.h>
-#include <time.h>
-
 #include "curves.h"
 #include "multires/editor.h"
 
@@ -435,8 +432,339 @@ static void test_answers(void)
     ok(tally.wrong == 0, "the area is met, the first-order conditions hold, what is fixed stays");
 }
 
+/* ---- Areas as limits ----------------------------------------------------------------------------------- */
+
+/* The shoelace formula on the limit points of depth `depth`, each path closed by its chord. */
+static double polygon_area(const bcifs_figure *figure, unsigned depth)
+{
+    const bcifs_view view = {.depth = depth, .to = 1};
+    bcifs_plan *plan = NULL;
+    bcifs_walker *walker = NULL;
+    if (bcifs_plan_create(figure, &view, &plan, NULL) || bcifs_walker_create(plan, &walker, NULL))
+        return NAN;
+    size_t count = (size_t)bcifs_plan_points(plan);
+    double *points = calloc(2 * count + 2, sizeof *points), area = 0;
+    count = bcifs_walker_next(walker, points, count);
+    for (size_t p = 0; p < bcifs_plan_path_count(plan); p++) {
+        bcifs_path path = bcifs_plan_path(plan, p);
+        for (uint64_t i = 0; i < path.count; i++) {
+            const double *a = points + 2 * (path.first + i), *b = points + 2 * (path.first + (i + 1) % path.count);
+            const double *o = points + 2 * path.first;
+            area += ((a[0] - o[0]) * (b[1] - o[1]) - (b[0] - o[0]) * (a[1] - o[1])) / 2;
+        }
+    }
+    free(points);
+    bcifs_walker_free(walker);
+    bcifs_plan_free(plan);
+    return area;
+}
+
+enum { MOST_TERMS = 12 };
+
+/* How far a number is from the limit of a sequence whose errors are sums of geometric ones: extrapolated by Wynn's epsilon
+ * algorithm, the best of its even columns, which remove one, two, three of them. */
+static double limit_error(const double *terms, size_t count, double number)
+{
+    double odd[MOST_TERMS + 1] = {0}, even[MOST_TERMS], best = fabs(terms[count - 1] - number);
+    memcpy(even, terms, count * sizeof *even);
+    for (size_t length = count; length >= 3; length -= 2) {
+        for (size_t i = 0; i + 1 < length; i++)
+            odd[i] = odd[i + 1] + 1 / (even[i + 1] - even[i]);
+        for (size_t i = 0; i + 2 < length; i++)
+            even[i] = even[i + 1] + 1 / (odd[i + 1] - odd[i]);
+        double error = fabs(even[length - 3] - number);
+        best = isfinite(error) ? fmin(best, error) : best;
+    }
+    return best;
+}
+
+static int limits, limits_wrong;
+static double limits_worst;
+
+/* X M^L Y^T at every L, on the coefficients of one curve, and the limit of the polygons' areas. */
+static void test_limit_of(const struct curve_sample *sample)
+{
+    double *points = calloc(2 * sample->count, sizeof *points), reference = NAN, size = 0;
+    curve_points(sample, 0.3, &seed, points);
+    for (unsigned coarsen = 0; coarsen <= 2; coarsen++) {
+        struct job job;
+        if (!job_open(&job, sample, points, (bcifs_editor_options){2, coarsen, BCIFS_NO_ENERGY}, false))
+            break;
+        double area = form_area(&job.editor->level->area, job.editor->coefficients[BCIFS_RESULT]);
+        if (coarsen == 0) {
+            double terms[MOST_TERMS];
+            unsigned most = bcifs_figure_depth(job.figure, 30000), first = most > 10 ? most - 9 : 1;
+            for (unsigned depth = first; depth <= most; depth++)
+                terms[depth - first] = polygon_area(job.figure, depth);
+            size = extent(job.editor->fine[BCIFS_RESULT], job.count);
+            size *= size;
+            reference = area;
+            double error = limit_error(terms, most - first + 1, area) / size;
+            limits++;
+            limits_worst = fmax(limits_worst, error);
+            if (!(error <= 1e-9) && ++limits_wrong)
+                note("%s: the area %.15g, of polygons %.15g, %g from their limit", sample->name, area,
+                     terms[most - first], error);
+        }
+        if (!(fabs(area - reference) <= 1e-13 * size) && ++limits_wrong)
+            note("%s: the area %.17g, from %u levels above %.17g", sample->name, reference, coarsen, area);
+        job_close(&job);
+    }
+    free(points);
+}
+
+static void test_limits(void)
+{
+    for (long round = 0; round < test_effort(1); round++)
+        curves_each(test_limit_of);
+    ok(limits >= 30 && limits_wrong == 0, "M^L gives one area at every L, the limit of polygons (%d curves, %.1e)", limits,
+       limits_worst);
+}
+
+/* Von Koch's snowflake: 8/5 of its triangle, of side 1, run through clockwise. */
+static void test_snowflake(void)
+{
+    bcifs_automaton *automaton = NULL;
+    bcifs_load("automata/koch.bcifs", NULL, &automaton, NULL);
+    bcifs_figure *figure = NULL;
+    bcifs_figure_create(automaton, &(bcifs_figure_options){.figure = "snowflake"}, &figure, NULL);
+    for (unsigned levels = 0; levels <= 2; levels++) {
+        bcifs_editor *editor = NULL;
+        bcifs_edit_report report = {0};
+        bcifs_editor_create(figure, &(bcifs_editor_options){2, levels, BCIFS_DIFFERENCE}, &editor, NULL);
+        if (editor)
+            bcifs_editor_report(editor, &report);
+        ok(fabs(fabs(report.before) - 8.0 / 5 * sqrt(3) / 4) < 1e-14, "the snowflake's area, from %u levels above", levels);
+        bcifs_editor_free(editor);
+    }
+    bcifs_figure_free(figure);
+    bcifs_automaton_free(automaton);
+}
+
+/* ---- What alpha does ----------------------------------------------------------------------------------- */
+
+static int alphas_tried, alphas_wrong;
+
+static double square_distance(const double *a, const double *b, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < 2 * count; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sum;
+}
+
+/* Of minimizers of E + α D, E rises and D falls with α. With α large the answer is the point of the right area that
+ * is nearest to what the user did: it is no farther away than the correction needs, |A - target| / |gradient of A|, up
+ * to the square of that. With α small the energy is below the deformed curve's. */
+static void test_alphas_of(const struct curve_sample *sample)
+{
+    static const double alphas[] = {1e-8, 1e-4, 1e-2, 1, 100, 1e6};
+    double *points = calloc(2 * sample->count, sizeof *points), size = extent(sample->points, sample->count);
+    curve_points(sample, 0.1, &seed, points);
+    struct job job;
+    struct edit edit;
+    bool open = job_open(&job, sample, points, (bcifs_editor_options){1, 1, BCIFS_BENDING}, true);
+    free(points);
+    if (!open)
+        return;
+    edit_make(&edit, &job, below(2), 1, 0.05 * size);
+    double energy = -1, away = INFINITY, deformed = 0;
+    for (size_t k = 0; k < 6; k++) {
+        bcifs_edit_report report;
+        bcifs_error error;
+        edit.constraint.alpha = alphas[k];
+        if (edit_run(job.editor, &edit, &error))
+            break;
+        bcifs_editor_report(job.editor, &report);
+        const double *c0 = job.editor->coefficients[BCIFS_DEFORMED], *z = job.editor->coefficients[BCIFS_RESULT];
+        double farther = square_distance(z, c0, job.count);
+        deformed = report.energy_deformed;
+        alphas_tried++;
+        /* Where the curve collapses or stretches, what is lost is a share of the deformed curve's energy. */
+        double rounding = 1e-9 * (fabs(deformed) + report.energy_after), apart = 1e-9 * (farther + size * size);
+        if ((report.energy_after < energy - rounding || farther > away + apart) && ++alphas_wrong)
+            note("%s, %s: energy %.15g after %.15g, distance %.15g after %.15g", sample->name, edit.text,
+                 report.energy_after, energy, farther, away);
+        if (k == 0 && !(report.energy_after <= deformed + rounding) && ++alphas_wrong)
+            note("%s, %s: energy %g, deformed %g", sample->name, edit.text, report.energy_after, deformed);
+        if (k == 5) {
+            double gradient = 0, missing = report.deformed - report.target;
+            for (size_t i = 0; i < (edit.constraint.free == BCIFS_FREE_ALL ? job.count : job.scale); i++) {
+                double x = 0, y = 0;
+                for (size_t j = 0; j < job.count; j++) {
+                    x += job.area[i * job.count + j] * c0[2 * j];
+                    y += job.area[i * job.count + j] * c0[2 * j + 1];
+                }
+                gradient += (x * x + y * y) / 4;
+            }
+            double needed = fabs(missing) / sqrt(gradient);
+            if (!(sqrt(farther) <= needed * (1 + needed / size * 10) + 1e-3 * size) && ++alphas_wrong)
+                note("%s, %s: %g away, %g would do", sample->name, edit.text, sqrt(farther), needed);
+        }
+        energy = report.energy_after;
+        away = farther;
+        bcifs_editor_undo(job.editor);
+    }
+    job_close(&job);
+}
+
+static void test_alphas(void)
+{
+    for (long round = 0; round < test_effort(1); round++)
+        curves_each(test_alphas_of);
+    ok(alphas_tried >= 200 && alphas_wrong == 0,
+       "energy rises and distance falls with alpha, to the least that the area needs");
+}
+
+/* ---- Curves that are moved, turned and scaled ---------------------------------------------------------- */
+
+/* p -> scale (cosine -sine; sine cosine) p + to. */
+struct similarity {
+    double scale, cosine, sine, x, y, tolerance;
+    const char *name;
+};
+
+static void transform(const struct similarity *by, const double *from, size_t count, double *to)
+{
+    for (size_t i = 0; i < count; i++) {
+        double x = from[2 * i], y = from[2 * i + 1];
+        to[2 * i] = by->scale * (by->cosine * x - by->sine * y) + by->x;
+        to[2 * i + 1] = by->scale * (by->sine * x + by->cosine * y) + by->y;
+    }
+}
+
+static int similarities, similarities_wrong;
+
+static void test_similar(const struct curve_sample *sample, const struct similarity *by, bcifs_energy energy,
+                         size_t set, double alpha)
+{
+    double *points = calloc(2 * sample->count, sizeof *points), *images = calloc(2 * sample->count, sizeof *images);
+    double size = extent(sample->points, sample->count);
+    const bcifs_editor_options options = {1, 1, energy};
+    struct job job = {0}, image = {0};
+    curve_points(sample, 0.2, &seed, points);
+    transform(by, points, sample->count, images);
+    if (job_open(&job, sample, points, options, false)) {
+        if (job_open(&image, sample, images, options, false)) {
+            struct edit edit;
+            bcifs_error error = {.message = ""};
+            edit_make(&edit, &job, set, alpha, 0.2 * size);
+            bcifs_status status = edit_run(job.editor, &edit, &error);
+            for (size_t i = 0; i < edit.move_count; i++) {
+                struct similarity linear = *by;
+                linear.x = linear.y = 0;
+                double move[2] = {edit.moves[i].dx, edit.moves[i].dy};
+                transform(&linear, move, 1, move);
+                edit.moves[i].dx = move[0];
+                edit.moves[i].dy = move[1];
+            }
+            bcifs_status other = edit_run(image.editor, &edit, &error);
+            double *result = read_points(job.editor, BCIFS_RESULT), *moved = read_points(image.editor, BCIFS_RESULT);
+            double reach = extent(result, job.count), worst = 0;
+            transform(by, result, job.count, result);
+            for (size_t i = 0; i < 2 * job.count; i++)
+                worst = isfinite(moved[i]) ? fmax(worst, fabs(moved[i] - result[i]) / by->scale / reach) : INFINITY;
+            similarities++;
+            if ((status != other || !(worst <= by->tolerance)) && ++similarities_wrong <= 12)
+                note("%s, %s, %s: status %d and %d, %g apart %s", sample->name, by->name, edit.text, status, other, worst,
+                     error.message);
+            free(result);
+            free(moved);
+            job_close(&image);
+        } else if (++similarities_wrong <= 12) {
+            note("%s, %s: no editor", sample->name, by->name);
+        }
+        job_close(&job);
+    }
+    free(points);
+    free(images);
+}
+
+static void test_similar_all(const struct curve_sample *sample)
+{
+    const double angle = 1;
+    const struct similarity list[] = {
+        {1, 1, 0, 3, -5, 1e-8, "moved"},
+        {1, cos(angle), sin(angle), 0, 0, 1e-8, "turned"},
+        {7, 1, 0, 0, 0, 1e-8, "scaled"},
+        {0x1p20, 1, 0, 0, 0, 0, "times 2^20"},
+        {0x1p-30, 1, 0, 0, 0, 0, "times 2^-30"},
+        {1e6, cos(angle), sin(angle), 1e5, -1e5, 1e-8, "all at once"},
+        {1, 1, 0, 1e6, -1e6, 1e-6, "far away"},
+        {1e150, 1, 0, 0, 0, 1e-8, "times 1e150"},
+        {1e-150, 1, 0, 0, 0, 1e-8, "times 1e-150"},
+    };
+    static const bcifs_energy energies[] = {BCIFS_BENDING, BCIFS_DIFFERENCE, BCIFS_NO_ENERGY};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+        test_similar(sample, &list[i], energies[below(3)], below(FREE_SETS), pow(10, 2 * random_number(&seed)));
+}
+
+static void test_similarities(void)
+{
+    for (long round = 0; round < test_effort(1); round++)
+        curves_each(test_similar_all);
+    ok(similarities >= 300 && similarities_wrong == 0,
+       "a curve that is moved, turned, scaled has an answer that is (%d edits)", similarities);
+}
+
+/* ---- Degenerate curves --------------------------------------------------------------------------------- */
+
+static int degenerate, degenerate_wrong;
+
+/* All points equal, or on one line: the area is 0 and stays so, or is made what is wanted. */
+static void test_degenerate_of(const struct curve_sample *sample)
+{
+    double *points = calloc(2 * sample->count, sizeof *points);
+    for (int kind = 0; kind < 3; kind++) {
+        for (size_t i = 0; i < sample->count; i++) {
+            points[2 * i] = kind == 0 ? 0 : kind == 1 ? 3 : (double)(i % 5);
+            points[2 * i + 1] = kind == 0 ? 0 : kind == 1 ? -1e3 : 2 * points[2 * i] + 1;
+        }
+        for (size_t set = 0; set < FREE_SETS; set++) {
+            struct job job;
+            if (!job_open(&job, sample, points, (bcifs_editor_options){1, 1, BCIFS_BENDING}, false))
+                continue;
+            struct edit edit;
+            bcifs_error error = {.message = ""};
+            bcifs_edit_report report;
+            edit_make(&edit, &job, set, 1, 1);
+            edit.move_count = set % 3;
+            edit.move_count = edit.move_count > 2 ? 2 : edit.move_count;
+            edit.constraint.has_target = set % 2;
+            edit.constraint.target = 2.5;
+            bcifs_status status = edit_run(job.editor, &edit, &error);
+            bcifs_editor_report(job.editor, &report);
+            double *result = read_points(job.editor, BCIFS_RESULT);
+            bool finite = true;
+            for (size_t i = 0; i < 2 * job.count; i++)
+                finite = finite && isfinite(result[i]);
+            degenerate++;
+            bool reached = fabs(area_of_stage(job.editor, BCIFS_RESULT) - report.target) <= 1e-11;
+            if (!(finite && (status == BCIFS_NO || (status == BCIFS_OK && reached && report.relative_error <= 1e-11))) &&
+                ++degenerate_wrong <= 12)
+                note("%s, kind %d, %s: status %d, area %g of %g, error %g, finite %d %s", sample->name, kind, edit.text,
+                     status, report.after, report.target, report.relative_error, finite, error.message);
+            free(result);
+            job_close(&job);
+        }
+    }
+    free(points);
+}
+
+static void test_degenerate(void)
+{
+    for (long round = 0; round < test_effort(1); round++)
+        curves_each(test_degenerate_of);
+    ok(degenerate >= 500 && degenerate_wrong == 0, "points that are all the same or in line (%d edits)", degenerate);
+}
+
 int main(void)
 {
     test_answers();
+    test_limits();
+    test_snowflake();
+    test_alphas();
+    test_similarities();
+    test_degenerate();
     return done_testing();
 }
