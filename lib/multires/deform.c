@@ -29,6 +29,10 @@ struct deform {
     size_t count;       /* n */
     const size_t *free; /* the problem's: F, base and direction */
     const double *points, *weights;
+    /* A power of 2 near the largest coordinate. All below is in units of it: products of coordinates then neither
+     * overflow nor vanish, and nothing is rounded. */
+    double unit;
+    double reach, along_reach; /* the largest |x| + |y| of base, and the largest direction */
     const size_t *order;        /* of elimination */
     struct sparse energy, area; /* K_FF, M_FF */
     struct sparse_cholesky factor;
@@ -85,15 +89,15 @@ static double row_sum(const struct sparse *a, size_t row)
  * subdivided curve, count like the others: what they alone give is no sensitivity. */
 static void terms_bound(struct deform *deform, const struct deform_problem *problem)
 {
-    double sum = 0, reach = 0, along = 0;
+    double sum = 0;
     for (size_t i = 0; i < problem->free_count; i++)
         sum = fmax(sum, row_sum(problem->area, problem->free[i]));
     for (size_t i = 0; i < problem->count; i++) {
-        reach = fmax(reach, fabs(problem->base[2 * i]) + fabs(problem->base[2 * i + 1]));
-        along = fmax(along, problem->direction ? fabs(problem->direction[i]) : 0);
+        deform->reach = fmax(deform->reach, fabs(problem->base[2 * i]) + fabs(problem->base[2 * i + 1]));
+        deform->along_reach = fmax(deform->along_reach, problem->direction ? fabs(problem->direction[i]) : 0);
     }
-    deform->terms_base = sum * reach;
-    deform->terms_direction = sum * along;
+    deform->terms_base = sum * deform->reach;
+    deform->terms_direction = sum * deform->along_reach;
 }
 
 /* A(base) = ½ x·M y: each pair of coefficients once, as M is antisymmetric. */
@@ -605,30 +609,38 @@ static void result_of(const struct deform *deform, const double d[2], const doub
 {
     for (size_t i = 0; i < deform->count; i++) {
         double weight = deform->weights ? deform->weights[deform->free[i]] : 0;
-        result[2 * i] = deform->points[2 * deform->free[i]] + weight * d[0] + delta[2 * i];
-        result[2 * i + 1] = deform->points[2 * deform->free[i] + 1] + weight * d[1] + delta[2 * i + 1];
+        result[2 * i] = deform->points[2 * deform->free[i]] + weight * d[0] + deform->unit * delta[2 * i];
+        result[2 * i + 1] = deform->points[2 * deform->free[i] + 1] + weight * d[1] + deform->unit * delta[2 * i + 1];
     }
 }
 
-bcifs_status deform_solve(struct deform *deform, const double displacement[2], double target, double *result,
-                          struct deform_outcome *outcome)
+/* The area is what it should be, as far as it is known of coordinates that large. */
+static bool is_near(const struct deform *deform, const double d[2], double start, double target)
 {
-    double start = deform->constant + displacement[0] * deform->along[0] + displacement[1] * deform->along[1];
+    double reach = deform->reach + deform->along_reach * (fabs(d[0]) + fabs(d[1]));
+    return fabs(target - start) <=
+           fmax(TOLERANCE_EQUATION * fmax(fabs(target), fabs(start)), TOLERANCE_CANCELLED * reach * reach);
+}
+
+/* In units: δ, and what is known of it. False when memory is out. */
+static bool answer_find(struct deform *deform, const double d[2], double target, struct deform_outcome *outcome)
+{
+    double start = deform->constant + d[0] * deform->along[0] + d[1] * deform->along[1];
     double size = fmax(fabs(target), fabs(start));
     struct drag drag = {.goal = target - start,
                         .tolerance = fmax(TOLERANCE_CONSTRAINT * fabs(target), DBL_EPSILON * size),
                         .lambda = deform->lambda};
-    bool near = fabs(target - start) <= TOLERANCE_EQUATION * size;
+    bool near = is_near(deform, d, start, target);
     *outcome = (struct deform_outcome){.reason = DEFORM_REACHED, .area = start, .global = true};
-    drag_full(deform, displacement);
+    drag_full(deform, d);
     if (deform->count == 0) {
         outcome->reason = near ? DEFORM_REACHED : DEFORM_NONE_FREE;
-    } else if (is_insensitive(deform, displacement)) {
+    } else if (is_insensitive(deform, d)) {
         outcome->reason = near ? DEFORM_REACHED : DEFORM_INSENSITIVE;
         relax(deform, deform->delta);
     } else {
-        if (!drag_solve(deform, displacement, deform->delta, &drag))
-            return BCIFS_MEMORY;
+        if (!drag_solve(deform, d, deform->delta, &drag))
+            return false;
         deform->lambda = drag.lambda;
         *outcome = (struct deform_outcome){.reason = drag.outcome == CONSTRAINT_BEYOND ? DEFORM_BEYOND
                                                                                        : DEFORM_REACHED,
@@ -637,6 +649,16 @@ bcifs_status deform_solve(struct deform *deform, const double displacement[2], d
                                            .iterations = drag.iterations,
                                            .global = drag.outcome != CONSTRAINT_BEYOND};
     }
+    return true;
+}
+
+bcifs_status deform_solve(struct deform *deform, const double displacement[2], double target, double *result,
+                          struct deform_outcome *outcome)
+{
+    double unit = deform->unit, d[2] = {displacement[0] / unit, displacement[1] / unit};
+    if (!answer_find(deform, d, target / unit / unit, outcome))
+        return BCIFS_MEMORY;
+    outcome->area = outcome->area * unit * unit;
     result_of(deform, displacement, deform->delta, result);
     return BCIFS_OK;
 }
@@ -677,13 +699,9 @@ static bcifs_status rehearse(struct deform *deform, const struct deform_problem 
         most = fmax(most, problem->base[i]);
     }
     double step = problem->direction ? (most - least) / 4 : 0;
-    double *result = memory_new(deform->count, 2 * sizeof *result);
-    bcifs_status status =
-        result ? deform_solve(deform, (double[2]){step, step / 2}, deform->constant, result, &outcome)
-               : BCIFS_MEMORY;
-    memory_free(result);
+    bool made = answer_find(deform, (double[2]){step, step / 2}, deform->constant, &outcome);
     deform->lambda = 0;
-    return status;
+    return made ? BCIFS_OK : BCIFS_MEMORY;
 }
 
 /* K and its factor. The rounding of many levels can leave H with eigenvalues below 0 that outweigh the least share: a
@@ -716,8 +734,27 @@ static bcifs_status prepare(struct deform *deform, const struct deform_problem *
     return is_complete(deform) ? BCIFS_OK : rehearse(deform, problem);
 }
 
+/* The problem in units of a power of 2. */
+static bool unit_choose(struct deform *deform, struct deform_problem *problem)
+{
+    enum { MOST = 1000 };
+    double largest = 0;
+    int exponent = 0;
+    for (size_t i = 0; i < 2 * problem->count; i++)
+        largest = fmax(largest, fabs(problem->base[i]));
+    if (largest > 0)
+        frexp(largest, &exponent);
+    deform->unit = ldexp(1, exponent > MOST ? MOST : exponent < -MOST ? -MOST : exponent);
+    double *base = arena_new(&deform->arena, problem->count, 2 * sizeof *base);
+    for (size_t i = 0; base && i < 2 * problem->count; i++)
+        base[i] = problem->base[i] / deform->unit;
+    problem->base = base;
+    return base != NULL;
+}
+
 bcifs_status deform_create(const struct deform_problem *problem, struct deform **deform)
 {
+    struct deform_problem scaled = *problem;
     struct deform *made = memory_new(1, sizeof *made);
     if (!made)
         return BCIFS_MEMORY;
@@ -725,7 +762,7 @@ bcifs_status deform_create(const struct deform_problem *problem, struct deform *
     made->free = problem->free;
     made->points = problem->base;
     made->weights = problem->direction;
-    bcifs_status status = prepare(made, problem);
+    bcifs_status status = unit_choose(made, &scaled) ? prepare(made, &scaled) : BCIFS_MEMORY;
     if (status == BCIFS_OK)
         *deform = made;
     else

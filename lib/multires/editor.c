@@ -128,21 +128,15 @@ static bcifs_status arrays_new(bcifs_editor *editor)
     return made && editor->workspace && editor->history ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-/* Takes the figure's points, relative to their mean. */
+/* Takes the figure's points, relative to their mean from the start: subdivision rounds as little as can be then. */
 static bcifs_status curve_begin(bcifs_editor *editor)
 {
-    double *points = editor->fine[BCIFS_RESULT];
-    bcifs_status status = ladder_figure_points(&editor->level->ladder, points);
+    const bcifs_figure *figure = editor->figure;
+    for (size_t i = 0; i < 2 * figure->point_count; i++)
+        editor->center[i % 2] += figure->points[i] / (double)figure->point_count;
+    bcifs_status status = ladder_figure_points(&editor->level->ladder, editor->center, editor->fine[BCIFS_RESULT]);
     if (status)
         return status;
-    for (int c = 0; c < 2; c++) {
-        double mean = 0;
-        for (size_t i = 0; i < editor->count; i++)
-            mean += points[2 * i + (size_t)c] / (double)editor->count;
-        editor->center[c] = mean;
-        for (size_t i = 0; i < editor->count; i++)
-            points[2 * i + (size_t)c] -= mean;
-    }
     stages_settle(editor);
     editor->locked = editor->target = stage_area(editor, BCIFS_RESULT);
     return history_push(editor);
