@@ -550,7 +550,7 @@ typedef struct bcifs_constraint {
     int keep_area;     /* 0: the deformed curve is the answer */
     int has_target;    /* the area is to become `target`; otherwise it stays what it was */
     double target;
-    double alpha;      /* >= 0; 100 is usual */
+    double alpha;      /* 0 to 1e300; 100 is usual */
     bcifs_free free;
     size_t neighbors;
     const size_t *list;

@@ -641,13 +641,15 @@ static bool answer_find(struct deform *deform, const double d[2], double target,
     } else {
         if (!drag_solve(deform, d, deform->delta, &drag))
             return false;
-        deform->lambda = drag.lambda;
-        *outcome = (struct deform_outcome){.reason = drag.outcome == CONSTRAINT_BEYOND ? DEFORM_BEYOND
-                                                                                       : DEFORM_REACHED,
+        /* Areas that need coordinates beyond all range are missed without a word. */
+        bool reached = drag.outcome != CONSTRAINT_BEYOND &&
+                       fabs(drag.change - drag.goal) <= TOLERANCE_MISSED * fmax(size, fabs(drag.goal));
+        deform->lambda = reached ? drag.lambda : 0;
+        *outcome = (struct deform_outcome){.reason = reached ? DEFORM_REACHED : DEFORM_BEYOND,
                                            .area = start + drag.change,
                                            .multiplier = drag.lambda,
                                            .iterations = drag.iterations,
-                                           .global = drag.outcome != CONSTRAINT_BEYOND};
+                                           .global = reached};
     }
     return true;
 }

@@ -7,6 +7,9 @@
  * relative to that. */
 static const double AREA_SHARE = 0.01;
 
+/* Beyond, products with it overflow. */
+static const double MOST_ALPHA = 1e300;
+
 /* ---- Stages -------------------------------------------------------------------------------------------- */
 
 static size_t numbers(const bcifs_editor *editor)
@@ -259,8 +262,8 @@ static bcifs_status constraint_check(const bcifs_editor *editor, const bcifs_con
         status = index_check(editor, constraint->list[i], report);
     if (status)
         return status;
-    if (!(constraint->alpha >= 0 && isfinite(constraint->alpha)))
-        return report_failure(report, BCIFS_INPUT, NULL, "alpha must be a number not below 0");
+    if (!(constraint->alpha >= 0 && constraint->alpha <= MOST_ALPHA))
+        return report_failure(report, BCIFS_INPUT, NULL, "alpha must be a number from 0 to 1e300");
     if (constraint->has_target && !isfinite(constraint->target))
         return report_failure(report, BCIFS_INPUT, NULL, "the area wanted must be finite");
     if (constraint->keep_area && editor->level->area_reason)

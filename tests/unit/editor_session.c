@@ -291,6 +291,22 @@ static void test_targets(void)
                fabs(area_now(desk.editor) - constraint.target) < 1e-12 * fabs(area);
     }
     ok(good, "any area can be had, also 0 and the other orientation");
+    for (int exponent = 6; exponent <= 306; exponent += 20) {
+        bcifs_error error = {.message = ""};
+        bcifs_edit_report report;
+        constraint.target = pow(10, exponent);
+        bcifs_editor_constrain(desk.editor, &constraint, NULL);
+        bcifs_status status = bcifs_editor_move(desk.editor, NULL, 0, &error);
+        bcifs_editor_report(desk.editor, &report);
+        bool reached = fabs(report.after / constraint.target - 1) < 1e-12;
+        if (!(status == BCIFS_OK ? reached : status == BCIFS_NO && exponent > 150) && !(good = false))
+            note("1e%d: status %d, %g %s", exponent, status, report.after, error.message);
+        bcifs_editor_undo(desk.editor);
+    }
+    ok(good, "an area is reached, or is said to be beyond reach");
+    constraint.target = 2 * area;
+    bcifs_editor_constrain(desk.editor, &constraint, NULL);
+    bcifs_editor_move(desk.editor, NULL, 0, NULL);
     constraint.has_target = 0;
     good = !bcifs_editor_constrain(desk.editor, &constraint, NULL) &&
            !bcifs_editor_move(desk.editor, &(bcifs_move){0, 1, 1}, 1, NULL);
@@ -378,6 +394,9 @@ static void test_refusals(void)
        "alpha below 0");
     constraint.alpha = NAN;
     ok(bcifs_editor_constrain(desk.editor, &constraint, &error) == BCIFS_INPUT, "alpha that is none");
+    constraint.alpha = 1e308;
+    ok(bcifs_editor_constrain(desk.editor, &constraint, &error) == BCIFS_INPUT && strstr(error.message, "alpha"),
+       "alpha beyond all range");
     constraint = constraint_of(BCIFS_FREE_LIST, 1);
     constraint.list = (size_t[]){3, 9};
     constraint.list_count = 2;
