@@ -29,10 +29,10 @@ struct deform {
     size_t count;       /* n */
     const size_t *free; /* the problem's: F, base and direction */
     const double *points, *weights;
-    /* A power of 2 near the largest coordinate. All below is in units of it: products of coordinates then neither
-     * overflow nor vanish, and nothing is rounded. */
+    /* A power of 2 near the largest coordinate. All below is in units of it: products of coordinates then
+     * neither overflow nor vanish, and nothing is rounded. */
     double unit;
-    double reach, along_reach; /* the largest |x| + |y| of base, and the largest direction */
+    double reach, along_reach;  /* the largest |x| + |y| of base, and the largest direction */
     const size_t *order;        /* of elimination */
     struct sparse energy, area; /* K_FF, M_FF */
     struct sparse_cholesky factor;
@@ -63,7 +63,8 @@ struct deform {
 /* ---- Preparation: K, M and their images ---------------------------------------------------------------- */
 
 /* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. */
-static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base, double *direction)
+static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base,
+                       double *direction)
 {
     for (size_t i = 0; a && i < problem->free_count; i++) {
         size_t row = problem->free[i];
@@ -85,8 +86,8 @@ static double row_sum(const struct sparse *a, size_t row)
     return sum;
 }
 
-/* The largest that b could be if nothing cancelled. Coefficients that are rounding themselves, as the details of a
- * subdivided curve, count like the others: what they alone give is no sensitivity. */
+/* The largest that b could be if nothing cancelled. Coefficients that are rounding themselves, as the details
+ * of a subdivided curve, count like the others: what they alone give is no sensitivity. */
 static void terms_bound(struct deform *deform, const struct deform_problem *problem)
 {
     double sum = 0;
@@ -135,8 +136,8 @@ static void areas_prepare(struct deform *deform, const struct deform_problem *pr
     deform->along[1] = along[1] / 2;
 }
 
-/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than the share `unseen` of what H has
- * there. h: H_FF, n × n, or NULL: 0. */
+/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than the share `unseen` of what H
+ * has there. h: H_FF, n × n, or NULL: 0. */
 static void diagonal_make(const struct sparse *h, size_t n, double alpha, double unseen, double *diagonal)
 {
     double largest = 0;
@@ -610,7 +611,8 @@ static void result_of(const struct deform *deform, const double d[2], const doub
     for (size_t i = 0; i < deform->count; i++) {
         double weight = deform->weights ? deform->weights[deform->free[i]] : 0;
         result[2 * i] = deform->points[2 * deform->free[i]] + weight * d[0] + deform->unit * delta[2 * i];
-        result[2 * i + 1] = deform->points[2 * deform->free[i] + 1] + weight * d[1] + deform->unit * delta[2 * i + 1];
+        result[2 * i + 1] =
+            deform->points[2 * deform->free[i] + 1] + weight * d[1] + deform->unit * delta[2 * i + 1];
     }
 }
 
@@ -623,7 +625,8 @@ static bool is_near(const struct deform *deform, const double d[2], double start
 }
 
 /* In units: δ, and what is known of it. False when memory is out. */
-static bool answer_find(struct deform *deform, const double d[2], double target, struct deform_outcome *outcome)
+static bool answer_find(struct deform *deform, const double d[2], double target,
+                        struct deform_outcome *outcome)
 {
     double start = deform->constant + d[0] * deform->along[0] + d[1] * deform->along[1];
     double size = fmax(fabs(target), fabs(start));
@@ -706,14 +709,15 @@ static bcifs_status rehearse(struct deform *deform, const struct deform_problem 
     return made ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-/* K and its factor. The rounding of many levels can leave H with eigenvalues below 0 that outweigh the least share: a
- * larger one is taken then. */
+/* K and its factor. The rounding of many levels can leave H with eigenvalues below 0 that outweigh the least
+ * share: a larger one is taken then. */
 static enum sparse_outcome energy_factor(struct deform *deform, const struct deform_problem *problem)
 {
     enum sparse_outcome outcome = SPARSE_INDEFINITE;
     for (double unseen = TOLERANCE_UNSEEN; outcome == SPARSE_INDEFINITE && unseen <= TOLERANCE_UNSEEN_MOST;
          unseen *= 10) {
-        if (!energy_make(deform, problem, unseen) || (deform->count > COMPLETE && !deform->order && !order_make(deform)))
+        if (!energy_make(deform, problem, unseen) ||
+            (deform->count > COMPLETE && !deform->order && !order_make(deform)))
             return SPARSE_MEMORY;
         outcome = sparse_cholesky_factor(&deform->energy, deform->order, &deform->arena, &deform->factor);
     }

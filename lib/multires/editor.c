@@ -78,8 +78,8 @@ static void drag_end(bcifs_editor *editor)
     editor->drag = (struct drag){.active = false};
 }
 
-/* What was dragged and not released, or an answer that did not reach its area, is no edit: the curve is again the one
- * before. */
+/* What was dragged and not released, or an answer that did not reach its area, is no edit: the curve is again
+ * the one before. */
 static void attempt_drop(bcifs_editor *editor)
 {
     if (editor->drag.active || !editor->answered) {
@@ -131,13 +131,15 @@ static bcifs_status arrays_new(bcifs_editor *editor)
     return made && editor->workspace && editor->history ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-/* Takes the figure's points, relative to their mean from the start: subdivision rounds as little as can be then. */
+/* Takes the figure's points, relative to their mean from the start: subdivision rounds as little as can be
+ * then. */
 static bcifs_status curve_begin(bcifs_editor *editor)
 {
     const bcifs_figure *figure = editor->figure;
     for (size_t i = 0; i < 2 * figure->point_count; i++)
         editor->center[i % 2] += figure->points[i] / (double)figure->point_count;
-    bcifs_status status = ladder_figure_points(&editor->level->ladder, editor->center, editor->fine[BCIFS_RESULT]);
+    bcifs_status status =
+        ladder_figure_points(&editor->level->ladder, editor->center, editor->fine[BCIFS_RESULT]);
     if (status)
         return status;
     stages_settle(editor);
@@ -477,10 +479,11 @@ static bcifs_status drag_reduce(bcifs_editor *editor, struct report *report)
                                        .direction = drag->direction};
     bcifs_status status = deform_create(problem, &drag->deform);
     return status == BCIFS_INPUT
-               ? report_failure(report, BCIFS_INPUT, NULL,
-                                "rounding leaves the energy of the figure '%s' indefinite over %u levels; take "
-                                "another energy, a larger alpha or fewer levels",
-                                editor->figure->name, bcifs_editor_level(editor))
+               ? report_failure(
+                     report, BCIFS_INPUT, NULL,
+                     "rounding leaves the energy of the figure '%s' indefinite over %u levels; take "
+                     "another energy, a larger alpha or fewer levels",
+                     editor->figure->name, bcifs_editor_level(editor))
                : status;
 }
 

@@ -1,9 +1,5 @@
 #include "levels_form.h"
 
-#include <math.h>
-
-#include "numeric/tolerance.h"
-
 /* ---- Mother matrices ----------------------------------------------------------------------------------- */
 
 /* Entries being collected; the first failure to get memory is remembered. */
@@ -212,57 +208,16 @@ struct blocks {
     struct sparse details[LADDER_MOST_LEVELS][LADDER_MOST_LEVELS];
 };
 
-static double largest_entry(const struct sparse *a)
-{
-    double largest = 0;
-    for (size_t k = 0; k < a->starts[a->rows]; k++)
-        largest = fmax(largest, fabs(a->values[k]));
-    return largest;
-}
-
-/* A = P^T C P without the entries that are what rounding left of zeros: Σ |p_ki c_kl p_lj| is at most the largest c
- * times the square of the largest column sum of |P|. A segment, say, has no area at all. */
-static bool cancelled_drop(struct sparse *a, const struct sparse *c, const struct sparse *p_transposed,
-                           struct arena *arena)
-{
-    double sum = 0;
-    size_t count = 0, held = a->starts[a->rows];
-    for (size_t i = 0; i < p_transposed->rows; i++) {
-        double column = 0;
-        for (size_t k = p_transposed->starts[i]; k < p_transposed->starts[i + 1]; k++)
-            column += fabs(p_transposed->values[k]);
-        sum = fmax(sum, column);
-    }
-    double bound = TOLERANCE_CANCELLED * sum * sum * largest_entry(c);
-    size_t *starts = arena_new(arena, a->rows + 1, sizeof *starts);
-    uint32_t *columns = arena_new(arena, held, sizeof *columns);
-    double *values = arena_new(arena, held, sizeof *values);
-    if (!starts || !columns || !values)
-        return false;
-    for (size_t i = 0; i < a->rows; i++) {
-        for (size_t k = a->starts[i]; k < a->starts[i + 1]; k++)
-            if (fabs(a->values[k]) > bound) {
-                columns[count] = a->columns[k];
-                values[count++] = a->values[k];
-            }
-        starts[i + 1] = count;
-    }
-    *a = (struct sparse){a->rows, a->width, starts, columns, values};
-    return true;
-}
-
 /* From level `rung` + 1 to `rung`: the (PP), (PQ), (QQ), (P) and (Q) filters. */
 static bcifs_status blocks_descend(struct blocks *blocks, const struct level_filters *filters, unsigned level,
-                                   unsigned levels, double sign, struct arena *arena)
+                                   unsigned levels, struct arena *arena)
 {
-    struct sparse p_scale, q_scale, above_scale = blocks->scale;
-    /* Energies fall with every level, so that small entries of theirs are none to be dropped. */
+    struct sparse p_scale, q_scale;
     if (!sparse_multiply(&filters->p_transposed, &blocks->scale, &p_scale, arena) ||
         !sparse_multiply(&filters->q_transposed, &blocks->scale, &q_scale, arena) ||
         !sparse_multiply(&p_scale, &filters->p, &blocks->scale, arena) ||
         !sparse_multiply(&p_scale, &filters->q, &blocks->mixed[level], arena) ||
-        !sparse_multiply(&q_scale, &filters->q, &blocks->details[level][level], arena) ||
-        (sign < 0 && !cancelled_drop(&blocks->scale, &above_scale, &filters->p_transposed, arena)))
+        !sparse_multiply(&q_scale, &filters->q, &blocks->details[level][level], arena))
         return BCIFS_MEMORY;
     for (unsigned l = level + 1; l < levels; l++) {
         struct sparse above = blocks->mixed[l];
@@ -299,7 +254,7 @@ bcifs_status form_descend(const struct bank *bank, const struct sparse *mother, 
         struct level_filters filters;
         status = level_filters_make(bank, bank->bottom + level, &scratch, &filters);
         if (status == BCIFS_OK)
-            status = blocks_descend(blocks, &filters, level, levels, sign, &scratch);
+            status = blocks_descend(blocks, &filters, level, levels, &scratch);
     }
     if (status == BCIFS_OK)
         block_collect(&blocks->scale, 0, 0, sign, &entries);
