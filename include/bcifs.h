@@ -550,7 +550,7 @@ typedef struct bcifs_constraint {
     int keep_area;     /* 0: the deformed curve is the answer */
     int has_target;    /* the area is to become `target`; otherwise it stays what it was */
     double target;
-    double alpha;      /* >= 0; 100 is usual */
+    double alpha;      /* 0 to 1e300; 100 is usual */
     bcifs_free free;
     size_t neighbors;
     const size_t *list;
@@ -581,7 +581,8 @@ typedef struct bcifs_move {
 BCIFS_PUBLIC bcifs_status bcifs_editor_move(bcifs_editor *editor, const bcifs_move *moves, size_t count,
                                             bcifs_error *error);
 
-/* Back to the curve before the last edit, and forth again; 0 when there is none. */
+/* Back to the curve before the last edit, and forth again; 0 when there is none. A drag that was not released, and an edit
+ * that did not reach its area, are undone first; whatever else is called then drops them. */
 BCIFS_PUBLIC int bcifs_editor_undo(bcifs_editor *editor);
 BCIFS_PUBLIC int bcifs_editor_redo(bcifs_editor *editor);
 

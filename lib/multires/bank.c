@@ -314,7 +314,7 @@ static bcifs_status memory_refuse(bcifs_error *error)
 
 bcifs_status bcifs_bank_figure_points(const bcifs_bank *bank, double *points, bcifs_error *error)
 {
-    return ladder_figure_points(&bank->ladder, points) ? memory_refuse(error) : BCIFS_OK;
+    return ladder_figure_points(&bank->ladder, NULL, points) ? memory_refuse(error) : BCIFS_OK;
 }
 
 typedef void conversion(const struct bank *bank, const double *from, size_t components, double *to,

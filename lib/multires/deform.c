@@ -29,6 +29,10 @@ struct deform {
     size_t count;       /* n */
     const size_t *free; /* the problem's: F, base and direction */
     const double *points, *weights;
+    /* A power of 2 near the largest coordinate. All below is in units of it: products of coordinates then
+     * neither overflow nor vanish, and nothing is rounded. */
+    double unit;
+    double reach, along_reach;  /* the largest |x| + |y| of base, and the largest direction */
     const size_t *order;        /* of elimination */
     struct sparse energy, area; /* K_FF, M_FF */
     struct sparse_cholesky factor;
@@ -58,29 +62,43 @@ struct deform {
 
 /* ---- Preparation: K, M and their images ---------------------------------------------------------------- */
 
-/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. Returns the largest Σ |a_ij|
- * |base_j|, and that of the direction. */
+/* Rows F of A times base (complex) and direction (real). `a` may be NULL: 0. */
 static void rows_apply(const struct sparse *a, const struct deform_problem *problem, double *base,
-                       double *direction, double *terms_base, double *terms_direction)
+                       double *direction)
 {
-    *terms_base = *terms_direction = 0;
     for (size_t i = 0; a && i < problem->free_count; i++) {
         size_t row = problem->free[i];
-        double terms = 0, along = 0;
         for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++) {
             double value = a->values[k];
-            const double *point = problem->base + 2 * (size_t)a->columns[k];
-            base[2 * i] += value * point[0];
-            base[2 * i + 1] += value * point[1];
-            terms += fabs(value) * (fabs(point[0]) + fabs(point[1]));
-            if (problem->direction) {
+            base[2 * i] += value * problem->base[2 * (size_t)a->columns[k]];
+            base[2 * i + 1] += value * problem->base[2 * (size_t)a->columns[k] + 1];
+            if (problem->direction)
                 direction[i] += value * problem->direction[a->columns[k]];
-                along += fabs(value * problem->direction[a->columns[k]]);
-            }
         }
-        *terms_base = fmax(*terms_base, terms);
-        *terms_direction = fmax(*terms_direction, along);
     }
+}
+
+static double row_sum(const struct sparse *a, size_t row)
+{
+    double sum = 0;
+    for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++)
+        sum += fabs(a->values[k]);
+    return sum;
+}
+
+/* The largest that b could be if nothing cancelled. Coefficients that are rounding themselves, as the details
+ * of a subdivided curve, count like the others: what they alone give is no sensitivity. */
+static void terms_bound(struct deform *deform, const struct deform_problem *problem)
+{
+    double sum = 0;
+    for (size_t i = 0; i < problem->free_count; i++)
+        sum = fmax(sum, row_sum(problem->area, problem->free[i]));
+    for (size_t i = 0; i < problem->count; i++) {
+        deform->reach = fmax(deform->reach, fabs(problem->base[2 * i]) + fabs(problem->base[2 * i + 1]));
+        deform->along_reach = fmax(deform->along_reach, problem->direction ? fabs(problem->direction[i]) : 0);
+    }
+    deform->terms_base = sum * deform->reach;
+    deform->terms_direction = sum * deform->along_reach;
 }
 
 /* A(base) = ½ x·M y: each pair of coefficients once, as M is antisymmetric. */
@@ -118,9 +136,9 @@ static void areas_prepare(struct deform *deform, const struct deform_problem *pr
     deform->along[1] = along[1] / 2;
 }
 
-/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than TOLERANCE_UNSEEN of what H has
- * there. h: H_FF, n × n, or NULL: 0. */
-static void diagonal_make(const struct sparse *h, size_t n, double alpha, double *diagonal)
+/* What K has more than H on the diagonal, to `diagonal`: 2α, but no less than the share `unseen` of what H
+ * has there. h: H_FF, n × n, or NULL: 0. */
+static void diagonal_make(const struct sparse *h, size_t n, double alpha, double unseen, double *diagonal)
 {
     double largest = 0;
     for (size_t i = 0; h && i < n; i++) {
@@ -130,11 +148,11 @@ static void diagonal_make(const struct sparse *h, size_t n, double alpha, double
     if (alpha == 0 && largest == 0)
         alpha = 1;
     for (size_t i = 0; i < n; i++)
-        diagonal[i] = fmax(2 * alpha, TOLERANCE_UNSEEN * (diagonal[i] > 0 ? diagonal[i] : largest));
+        diagonal[i] = fmax(2 * alpha, unseen * (diagonal[i] > 0 ? diagonal[i] : largest));
 }
 
 /* K_FF = H_FF + that. */
-static bool energy_make(struct deform *deform, const struct deform_problem *problem)
+static bool energy_make(struct deform *deform, const struct deform_problem *problem, double unseen)
 {
     size_t n = problem->free_count, count = 0;
     struct sparse h = {.rows = 0};
@@ -144,7 +162,7 @@ static bool energy_make(struct deform *deform, const struct deform_problem *prob
     struct triple *triples = memory_new((h.rows ? h.starts[n] : 0) + n, sizeof *triples);
     if (!triples)
         return false;
-    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, deform->diagonal);
+    diagonal_make(h.rows ? &h : NULL, n, problem->alpha, unseen, deform->diagonal);
     for (size_t i = 0; i < n; i++)
         triples[count++] = (struct triple){i, i, deform->diagonal[i]};
     for (size_t i = 0; i < h.rows; i++)
@@ -155,14 +173,6 @@ static bool energy_make(struct deform *deform, const struct deform_problem *prob
     for (size_t i = 0; made && i < n; i++)
         deform->diagonal[i] = sparse_entry(&deform->energy, i, i);
     return made;
-}
-
-static double row_sum(const struct sparse *a, size_t row)
-{
-    double sum = 0;
-    for (size_t k = a->starts[row]; k < a->starts[row + 1]; k++)
-        sum += fabs(a->values[k]);
-    return sum;
 }
 
 /* |M| <= max_i Σ_j |M_ij| d_j / d_i for any d > 0 (Collatz); the best d is an eigenvector of the absolute
@@ -600,38 +610,60 @@ static void result_of(const struct deform *deform, const double d[2], const doub
 {
     for (size_t i = 0; i < deform->count; i++) {
         double weight = deform->weights ? deform->weights[deform->free[i]] : 0;
-        result[2 * i] = deform->points[2 * deform->free[i]] + weight * d[0] + delta[2 * i];
-        result[2 * i + 1] = deform->points[2 * deform->free[i] + 1] + weight * d[1] + delta[2 * i + 1];
+        result[2 * i] = deform->points[2 * deform->free[i]] + weight * d[0] + deform->unit * delta[2 * i];
+        result[2 * i + 1] =
+            deform->points[2 * deform->free[i] + 1] + weight * d[1] + deform->unit * delta[2 * i + 1];
     }
+}
+
+/* The area is what it should be, as far as it is known of coordinates that large. */
+static bool is_near(const struct deform *deform, const double d[2], double start, double target)
+{
+    double reach = deform->reach + deform->along_reach * (fabs(d[0]) + fabs(d[1]));
+    return fabs(target - start) <=
+           fmax(TOLERANCE_EQUATION * fmax(fabs(target), fabs(start)), TOLERANCE_CANCELLED * reach * reach);
+}
+
+/* In units: δ, and what is known of it. False when memory is out. */
+static bool answer_find(struct deform *deform, const double d[2], double target,
+                        struct deform_outcome *outcome)
+{
+    double start = deform->constant + d[0] * deform->along[0] + d[1] * deform->along[1];
+    double size = fmax(fabs(target), fabs(start));
+    struct drag drag = {.goal = target - start,
+                        .tolerance = fmax(TOLERANCE_CONSTRAINT * fabs(target), DBL_EPSILON * size),
+                        .lambda = deform->lambda};
+    bool near = is_near(deform, d, start, target);
+    *outcome = (struct deform_outcome){.reason = DEFORM_REACHED, .area = start, .global = true};
+    drag_full(deform, d);
+    if (deform->count == 0) {
+        outcome->reason = near ? DEFORM_REACHED : DEFORM_NONE_FREE;
+    } else if (is_insensitive(deform, d)) {
+        outcome->reason = near ? DEFORM_REACHED : DEFORM_INSENSITIVE;
+        relax(deform, deform->delta);
+    } else {
+        if (!drag_solve(deform, d, deform->delta, &drag))
+            return false;
+        /* Areas that need coordinates beyond all range are missed without a word. */
+        bool reached = drag.outcome != CONSTRAINT_BEYOND &&
+                       fabs(drag.change - drag.goal) <= TOLERANCE_MISSED * fmax(size, fabs(drag.goal));
+        deform->lambda = reached ? drag.lambda : 0;
+        *outcome = (struct deform_outcome){.reason = reached ? DEFORM_REACHED : DEFORM_BEYOND,
+                                           .area = start + drag.change,
+                                           .multiplier = drag.lambda,
+                                           .iterations = drag.iterations,
+                                           .global = reached};
+    }
+    return true;
 }
 
 bcifs_status deform_solve(struct deform *deform, const double displacement[2], double target, double *result,
                           struct deform_outcome *outcome)
 {
-    double start = deform->constant + displacement[0] * deform->along[0] + displacement[1] * deform->along[1];
-    double size = fmax(fabs(target), fabs(start));
-    struct drag drag = {.goal = target - start,
-                        .tolerance = fmax(TOLERANCE_CONSTRAINT * fabs(target), DBL_EPSILON * size),
-                        .lambda = deform->lambda};
-    bool near = fabs(target - start) <= TOLERANCE_EQUATION * size;
-    *outcome = (struct deform_outcome){.reason = DEFORM_REACHED, .area = start, .global = true};
-    drag_full(deform, displacement);
-    if (deform->count == 0) {
-        outcome->reason = near ? DEFORM_REACHED : DEFORM_NONE_FREE;
-    } else if (is_insensitive(deform, displacement)) {
-        outcome->reason = near ? DEFORM_REACHED : DEFORM_INSENSITIVE;
-        relax(deform, deform->delta);
-    } else {
-        if (!drag_solve(deform, displacement, deform->delta, &drag))
-            return BCIFS_MEMORY;
-        deform->lambda = drag.lambda;
-        *outcome = (struct deform_outcome){.reason = drag.outcome == CONSTRAINT_BEYOND ? DEFORM_BEYOND
-                                                                                       : DEFORM_REACHED,
-                                           .area = start + drag.change,
-                                           .multiplier = drag.lambda,
-                                           .iterations = drag.iterations,
-                                           .global = drag.outcome != CONSTRAINT_BEYOND};
-    }
+    double unit = deform->unit, d[2] = {displacement[0] / unit, displacement[1] / unit};
+    if (!answer_find(deform, d, target / unit / unit, outcome))
+        return BCIFS_MEMORY;
+    outcome->area = outcome->area * unit * unit;
     result_of(deform, displacement, deform->delta, result);
     return BCIFS_OK;
 }
@@ -642,7 +674,6 @@ static bool vectors_make(struct deform *deform, const struct deform_problem *pro
 {
     struct arena *arena = &deform->arena;
     size_t n = deform->count;
-    double terms[2];
     deform->diagonal = arena_new(arena, n, sizeof(double));
     deform->energy_base = arena_new(arena, n, 2 * sizeof(double));
     deform->energy_direction = arena_new(arena, n, sizeof(double));
@@ -655,9 +686,9 @@ static bool vectors_make(struct deform *deform, const struct deform_problem *pro
     if (!deform->diagonal || !deform->energy_base || !deform->energy_direction || !deform->area_base ||
         !deform->area_direction || !deform->h || !deform->b || !deform->image || !deform->delta)
         return false;
-    rows_apply(problem->energy, problem, deform->energy_base, deform->energy_direction, &terms[0], &terms[1]);
-    rows_apply(problem->area, problem, deform->area_base, deform->area_direction, &deform->terms_base,
-               &deform->terms_direction);
+    rows_apply(problem->energy, problem, deform->energy_base, deform->energy_direction);
+    rows_apply(problem->area, problem, deform->area_base, deform->area_direction);
+    terms_bound(deform, problem);
     areas_prepare(deform, problem);
     return true;
 }
@@ -673,13 +704,24 @@ static bcifs_status rehearse(struct deform *deform, const struct deform_problem 
         most = fmax(most, problem->base[i]);
     }
     double step = problem->direction ? (most - least) / 4 : 0;
-    double *result = memory_new(deform->count, 2 * sizeof *result);
-    bcifs_status status =
-        result ? deform_solve(deform, (double[2]){step, step / 2}, deform->constant, result, &outcome)
-               : BCIFS_MEMORY;
-    memory_free(result);
+    bool made = answer_find(deform, (double[2]){step, step / 2}, deform->constant, &outcome);
     deform->lambda = 0;
-    return status;
+    return made ? BCIFS_OK : BCIFS_MEMORY;
+}
+
+/* K and its factor. The rounding of many levels can leave H with eigenvalues below 0 that outweigh the least
+ * share: a larger one is taken then. */
+static enum sparse_outcome energy_factor(struct deform *deform, const struct deform_problem *problem)
+{
+    enum sparse_outcome outcome = SPARSE_INDEFINITE;
+    for (double unseen = TOLERANCE_UNSEEN; outcome == SPARSE_INDEFINITE && unseen <= TOLERANCE_UNSEEN_MOST;
+         unseen *= 10) {
+        if (!energy_make(deform, problem, unseen) ||
+            (deform->count > COMPLETE && !deform->order && !order_make(deform)))
+            return SPARSE_MEMORY;
+        outcome = sparse_cholesky_factor(&deform->energy, deform->order, &deform->arena, &deform->factor);
+    }
+    return outcome;
 }
 
 static bcifs_status prepare(struct deform *deform, const struct deform_problem *problem)
@@ -688,11 +730,9 @@ static bcifs_status prepare(struct deform *deform, const struct deform_problem *
         return BCIFS_MEMORY;
     if (deform->count == 0)
         return BCIFS_OK;
-    if (!energy_make(deform, problem) || !area_make(deform, problem) ||
-        (deform->count > COMPLETE && !order_make(deform)))
+    if (!area_make(deform, problem))
         return BCIFS_MEMORY;
-    enum sparse_outcome outcome =
-        sparse_cholesky_factor(&deform->energy, deform->order, &deform->arena, &deform->factor);
+    enum sparse_outcome outcome = energy_factor(deform, problem);
     if (outcome != SPARSE_DONE)
         return outcome == SPARSE_MEMORY ? BCIFS_MEMORY : BCIFS_INPUT;
     if (!space_make(deform))
@@ -700,8 +740,27 @@ static bcifs_status prepare(struct deform *deform, const struct deform_problem *
     return is_complete(deform) ? BCIFS_OK : rehearse(deform, problem);
 }
 
+/* The problem in units of a power of 2. */
+static bool unit_choose(struct deform *deform, struct deform_problem *problem)
+{
+    enum { MOST = 1000 };
+    double largest = 0;
+    int exponent = 0;
+    for (size_t i = 0; i < 2 * problem->count; i++)
+        largest = fmax(largest, fabs(problem->base[i]));
+    if (largest > 0)
+        frexp(largest, &exponent);
+    deform->unit = ldexp(1, exponent > MOST ? MOST : exponent < -MOST ? -MOST : exponent);
+    double *base = arena_new(&deform->arena, problem->count, 2 * sizeof *base);
+    for (size_t i = 0; base && i < 2 * problem->count; i++)
+        base[i] = problem->base[i] / deform->unit;
+    problem->base = base;
+    return base != NULL;
+}
+
 bcifs_status deform_create(const struct deform_problem *problem, struct deform **deform)
 {
+    struct deform_problem scaled = *problem;
     struct deform *made = memory_new(1, sizeof *made);
     if (!made)
         return BCIFS_MEMORY;
@@ -709,7 +768,7 @@ bcifs_status deform_create(const struct deform_problem *problem, struct deform *
     made->free = problem->free;
     made->points = problem->base;
     made->weights = problem->direction;
-    bcifs_status status = prepare(made, problem);
+    bcifs_status status = unit_choose(made, &scaled) ? prepare(made, &scaled) : BCIFS_MEMORY;
     if (status == BCIFS_OK)
         *deform = made;
     else

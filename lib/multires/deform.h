@@ -50,8 +50,9 @@ struct deform;
 
 /* Prepares all that does not depend on (dx, dy) and target. free, base and direction must outlive the handle,
  * the matrices need not. Every coefficient is drawn to c0 by at least TOLERANCE_UNSEEN of its diagonal entry
- * in H: with α = 0 what H and A do not see stays where it is. H = 0 and α = 0 is taken as α = 1, for no scale
- * is given then. BCIFS_INPUT: H is not positive semidefinite. */
+ * in H: with α = 0 what H and A do not see stays where it is. Up to TOLERANCE_UNSEEN_MOST is taken where rounding
+ * makes H indefinite. H = 0 and α = 0 is taken as α = 1, for no scale is given then. BCIFS_INPUT: H is not positive
+ * semidefinite at all. */
 bcifs_status deform_create(const struct deform_problem *problem, struct deform **deform);
 void deform_free(struct deform *deform);
 /* The minimizer for c0 = base + direction·displacement: free_count × 2 numbers to `result` (for a reason

@@ -7,6 +7,9 @@
  * relative to that. */
 static const double AREA_SHARE = 0.01;
 
+/* Beyond, products with it overflow. */
+static const double MOST_ALPHA = 1e300;
+
 /* ---- Stages -------------------------------------------------------------------------------------------- */
 
 static size_t numbers(const bcifs_editor *editor)
@@ -75,19 +78,34 @@ static void drag_end(bcifs_editor *editor)
     editor->drag = (struct drag){.active = false};
 }
 
+/* What was dragged and not released, or an answer that did not reach its area, is no edit: the curve is again
+ * the one before. */
+static void attempt_drop(bcifs_editor *editor)
+{
+    if (editor->drag.active || !editor->answered) {
+        stage_copy(editor, BCIFS_INITIAL, BCIFS_RESULT);
+        stage_copy(editor, BCIFS_INITIAL, BCIFS_DEFORMED);
+        editor->deformed_is_fine = editor->answered = true;
+    }
+    drag_end(editor);
+}
+
+/* First what is no edit yet, then edits. */
 int bcifs_editor_undo(bcifs_editor *editor)
 {
-    drag_end(editor);
-    if (editor->history_at == 0)
+    bool attempted = !editor->answered || editor->drag.has_good;
+    attempt_drop(editor);
+    if (!attempted && editor->history_at == 0)
         return 0;
-    editor->history_at--;
+    if (!attempted)
+        editor->history_at--;
     history_restore(editor);
     return 1;
 }
 
 int bcifs_editor_redo(bcifs_editor *editor)
 {
-    drag_end(editor);
+    attempt_drop(editor);
     if (editor->history_at + 1 >= editor->history_count)
         return 0;
     editor->history_at++;
@@ -113,21 +131,17 @@ static bcifs_status arrays_new(bcifs_editor *editor)
     return made && editor->workspace && editor->history ? BCIFS_OK : BCIFS_MEMORY;
 }
 
-/* Takes the figure's points, relative to their mean. */
+/* Takes the figure's points, relative to their mean from the start: subdivision rounds as little as can be
+ * then. */
 static bcifs_status curve_begin(bcifs_editor *editor)
 {
-    double *points = editor->fine[BCIFS_RESULT];
-    bcifs_status status = ladder_figure_points(&editor->level->ladder, points);
+    const bcifs_figure *figure = editor->figure;
+    for (size_t i = 0; i < 2 * figure->point_count; i++)
+        editor->center[i % 2] += figure->points[i] / (double)figure->point_count;
+    bcifs_status status =
+        ladder_figure_points(&editor->level->ladder, editor->center, editor->fine[BCIFS_RESULT]);
     if (status)
         return status;
-    for (int c = 0; c < 2; c++) {
-        double mean = 0;
-        for (size_t i = 0; i < editor->count; i++)
-            mean += points[2 * i + (size_t)c] / (double)editor->count;
-        editor->center[c] = mean;
-        for (size_t i = 0; i < editor->count; i++)
-            points[2 * i + (size_t)c] -= mean;
-    }
     stages_settle(editor);
     editor->locked = editor->target = stage_area(editor, BCIFS_RESULT);
     return history_push(editor);
@@ -209,9 +223,7 @@ bcifs_status bcifs_editor_coarsen(bcifs_editor *editor, unsigned coarsen, bcifs_
         report_close(&report, error);
         return status;
     }
-    drag_end(editor);
-    if (!editor->answered)
-        stage_copy(editor, BCIFS_INITIAL, BCIFS_RESULT);
+    attempt_drop(editor);
     editor_level_free(editor->level);
     editor->level = level;
     editor->constraint.list_count = editor->constraint.pin_count = 0;
@@ -252,8 +264,8 @@ static bcifs_status constraint_check(const bcifs_editor *editor, const bcifs_con
         status = index_check(editor, constraint->list[i], report);
     if (status)
         return status;
-    if (!(constraint->alpha >= 0 && isfinite(constraint->alpha)))
-        return report_failure(report, BCIFS_INPUT, NULL, "alpha must be a number not below 0");
+    if (!(constraint->alpha >= 0 && constraint->alpha <= MOST_ALPHA))
+        return report_failure(report, BCIFS_INPUT, NULL, "alpha must be a number from 0 to 1e300");
     if (constraint->has_target && !isfinite(constraint->target))
         return report_failure(report, BCIFS_INPUT, NULL, "the area wanted must be finite");
     if (constraint->keep_area && editor->level->area_reason)
@@ -288,7 +300,8 @@ bcifs_status bcifs_editor_constrain(bcifs_editor *editor, const bcifs_constraint
         report_close(&report, error);
         return status;
     }
-    drag_end(editor);
+    if (editor->drag.active)
+        attempt_drop(editor);
     constraint_free(&editor->constraint);
     editor->constraint = fresh;
     return BCIFS_OK;
@@ -446,7 +459,7 @@ static void stage_follow(bcifs_editor *editor, bcifs_stage stage)
 /* ---- Edits --------------------------------------------------------------------------------------------- */
 
 /* The reduced problem, unless the area is not kept. */
-static bcifs_status drag_reduce(bcifs_editor *editor)
+static bcifs_status drag_reduce(bcifs_editor *editor, struct report *report)
 {
     struct drag *drag = &editor->drag;
     struct editor_level *level = editor->level;
@@ -464,10 +477,17 @@ static bcifs_status drag_reduce(bcifs_editor *editor)
                                        .free_count = drag->free_count,
                                        .base = drag->base,
                                        .direction = drag->direction};
-    return deform_create(problem, &drag->deform);
+    bcifs_status status = deform_create(problem, &drag->deform);
+    return status == BCIFS_INPUT
+               ? report_failure(
+                     report, BCIFS_INPUT, NULL,
+                     "rounding leaves the energy of the figure '%s' indefinite over %u levels; take "
+                     "another energy, a larger alpha or fewer levels",
+                     editor->figure->name, bcifs_editor_level(editor))
+               : status;
 }
 
-static bcifs_status drag_prepare(bcifs_editor *editor, unsigned char *marks)
+static bcifs_status drag_prepare(bcifs_editor *editor, unsigned char *marks, struct report *report)
 {
     struct drag *drag = &editor->drag;
     free_mark(editor, marks);
@@ -479,17 +499,16 @@ static bcifs_status drag_prepare(bcifs_editor *editor, unsigned char *marks)
     drag->whole = editor->constraint.free == BCIFS_FREE_ALL;
     if (status == BCIFS_OK && !drag->whole)
         status = reach_find(editor);
-    return status ? status : drag_reduce(editor);
+    if (status == BCIFS_OK)
+        status = drag_reduce(editor, report);
+    return status == BCIFS_MEMORY ? report_memory(report) : status;
 }
 
 /* Begins with the last curve that was an answer. */
 static void drag_begin(bcifs_editor *editor)
 {
-    drag_end(editor);
-    if (editor->answered)
-        stage_copy(editor, BCIFS_RESULT, BCIFS_INITIAL);
-    else
-        stage_copy(editor, BCIFS_INITIAL, BCIFS_RESULT);
+    attempt_drop(editor);
+    stage_copy(editor, BCIFS_RESULT, BCIFS_INITIAL);
     stage_copy(editor, BCIFS_INITIAL, BCIFS_DEFORMED);
     editor->deformed_is_fine = editor->answered = true;
     editor->target = editor->constraint.has_target ? editor->constraint.target : editor->locked;
@@ -529,7 +548,7 @@ static bcifs_status drag_answer(bcifs_editor *editor, const double displacement[
                 deformed[i] += drag->direction[drag->changing[k]] * displacement[c];
             result[i] = deformed[i];
         }
-    editor->deformed_is_fine = false;
+    editor->deformed_is_fine = editor->answered = false;
     editor->outcome = (struct deform_outcome){.global = true};
     if (drag->deform && deform_solve(drag->deform, displacement, editor->target, drag->answer, &editor->outcome))
         return report_memory(report);
@@ -560,11 +579,13 @@ static void deformed_refresh(const bcifs_editor *editor)
 static bcifs_status edit_commit(bcifs_editor *editor, struct report *report)
 {
     deformed_refresh(editor);
+    if (history_push(editor))
+        return report_memory(report);
     if (!editor->constraint.keep_area)
         editor->locked = stage_area(editor, BCIFS_RESULT);
     else if (editor->constraint.has_target)
         editor->locked = editor->target;
-    return history_push(editor) ? report_memory(report) : BCIFS_OK;
+    return BCIFS_OK;
 }
 
 /* Leaves nothing grabbed, and says how it went. */
@@ -591,8 +612,8 @@ bcifs_status bcifs_editor_grab(bcifs_editor *editor, const size_t *indices, size
     }
     drag->base = editor->coefficients[BCIFS_INITIAL];
     drag->direction = direction;
-    if (status == BCIFS_OK && drag_prepare(editor, marks))
-        status = report_memory(&report);
+    if (status == BCIFS_OK)
+        status = drag_prepare(editor, marks, &report);
     if (status)
         return edit_end(editor, &report, error);
     drag->active = true;
@@ -621,9 +642,10 @@ bcifs_status bcifs_editor_release(bcifs_editor *editor, bcifs_error *error)
     struct drag *drag = &editor->drag;
     if (!drag->active)
         report_failure(&report, BCIFS_INPUT, NULL, "no control point is grabbed");
-    else if (drag->has_good && (editor->answered || drag_answer(editor, drag->good, &report) == BCIFS_OK))
-        edit_commit(editor, &report);
-    drag_end(editor);
+    else if (drag->has_good && (editor->answered || drag_answer(editor, drag->good, &report) == BCIFS_OK) &&
+             edit_commit(editor, &report) == BCIFS_OK)
+        drag_end(editor);
+    attempt_drop(editor);
     return report_close(&report, error);
 }
 
@@ -655,16 +677,18 @@ bcifs_status bcifs_editor_move(bcifs_editor *editor, const bcifs_move *moves, si
     drag->base = base;
     bcifs_status status =
         marks && base ? moves_apply(editor, moves, count, base, marks, &report) : report_memory(&report);
-    if (status == BCIFS_OK && drag_prepare(editor, marks))
-        status = report_memory(&report);
+    if (status == BCIFS_OK)
+        status = drag_prepare(editor, marks, &report);
     if (status)
         return edit_end(editor, &report, error);
     drag->active = true;
     status = drag_answer(editor, nowhere, &report);
     if (status == BCIFS_OK)
-        edit_commit(editor, &report);
-    else
+        status = edit_commit(editor, &report);
+    if (status == BCIFS_NO)
         deformed_refresh(editor);
+    else if (status)
+        attempt_drop(editor);
     return edit_end(editor, &report, error);
 }
 

@@ -451,15 +451,15 @@ bcifs_status ladder_refinement(const struct ladder *ladder, size_t chain, unsign
     return refinement->failed ? out_of_memory(&ladder->states) : BCIFS_OK;
 }
 
-bcifs_status ladder_figure_points(const struct ladder *ladder, double *points)
+bcifs_status ladder_figure_points(const struct ladder *ladder, const double *origin, double *points)
 {
     const bcifs_figure *figure = ladder->figure;
     struct arena scratch = {0};
     size_t d = figure->dimension, count = ladder_points(ladder, ladder->own);
     double *coarse = arena_new(&scratch, count * d, sizeof *coarse);
     bcifs_status status = coarse ? BCIFS_OK : BCIFS_MEMORY;
-    for (size_t i = 0; coarse && i < count; i++)
-        memcpy(coarse + i * d, figure->points + ladder->places[i] * d, d * sizeof *coarse);
+    for (size_t i = 0; coarse && i < count * d; i++)
+        coarse[i] = figure->points[ladder->places[i / d] * d + i % d] - (origin ? origin[i % d] : 0);
     struct ladder work = *ladder; /* its refinement matrices are made in the scratch arena */
     work.arena = &scratch;
     for (unsigned rung = ladder->own; rung < ladder->levels && status == BCIFS_OK; rung++) {

@@ -48,8 +48,9 @@ size_t ladder_points(const struct ladder *ladder, unsigned rung);
 /* The refinement matrix P of a chain from rung `rung` to rung + 1: points of the finer polygon × of the coarser, [MR]
  * (2), [IM] 4.1. One block for each cell. */
 bcifs_status ladder_refinement(const struct ladder *ladder, size_t chain, unsigned rung, struct stencil *refinement);
-/* The figure's control points, subdivided down to the finest rung: ladder_points × dimension numbers. */
-bcifs_status ladder_figure_points(const struct ladder *ladder, double *points);
+/* The figure's control points, as seen from `origin` (dimension numbers; NULL: 0), subdivided down to the finest rung:
+ * ladder_points × dimension numbers. */
+bcifs_status ladder_figure_points(const struct ladder *ladder, const double *origin, double *points);
 /* A figure of its own on the cells of a rung, with control points of the figure's dimension (ladder_points of them). */
 bcifs_status ladder_figure(const struct ladder *ladder, unsigned rung, const double *points, bcifs_figure **figure,
                            struct report *report);

@@ -59,10 +59,17 @@
 /* Constraints are met to this share of the numbers they are about. */
 #define TOLERANCE_CONSTRAINT 1e-14
 
+/* An area that is missed by more than this share was not reached. Rounding leaves less, also of answers that are a
+ * thousand times as large as the curve was. */
+#define TOLERANCE_MISSED 1e-6
+
 /* An energy that does not see some deformation leaves it undetermined: at least this share of its own diagonal entry
  * draws each coefficient to where it was. What the energy sees is changed by no more; in directions that it does not
  * see, rounding may move things by 1e-16 over this, 1e-4 of the forces that act. */
 #define TOLERANCE_UNSEEN 1e-12
+/* Where that is not enough, because the energy's form has gone through many levels of filters, a larger share is taken,
+ * at most this: bending energies lose up to three factors of N with each. */
+#define TOLERANCE_UNSEEN_MOST 1e-6
 
 /* Coefficients of an area that are products of filters and should cancel leave this share of what cancelled. */
 #define TOLERANCE_CANCELLED 1e-14

@@ -1,5 +1,5 @@
-/* Curves: every planar curve figure of the gallery, and of some schemes that it lacks, for tests of what works on any
- * curve. */
+/* Curves: every planar curve figure of the gallery, and of some schemes that it lacks, for tests of what
+ * works on any curve. */
 #ifndef TESTS_CURVES_H
 #define TESTS_CURVES_H
 
@@ -52,8 +52,8 @@ static inline void curves_of(const bcifs_automaton *automaton, const char *from,
         const bcifs_figure_options options = {.figure = sample.figure};
         bcifs_figure *figure = NULL;
         snprintf(sample.name, sizeof sample.name, "%.70s, %.70s", from, sample.figure);
-        if (bcifs_figure_create(automaton, &options, &figure, NULL) == BCIFS_OK && figure->shape == FIGURE_CURVE &&
-            !figure->displaced && figure->dimension == 2) {
+        if (bcifs_figure_create(automaton, &options, &figure, NULL) == BCIFS_OK &&
+            figure->shape == FIGURE_CURVE && !figure->displaced && figure->dimension == 2) {
             sample.points = figure->points;
             sample.count = figure->point_count;
             test(&sample);
@@ -88,8 +88,10 @@ static inline void curves_each(curve_test *test)
 /* The sample's figure on other points (count × 2), or on its own; NULL when it cannot be. */
 static inline bcifs_figure *curve_figure(const struct curve_sample *sample, const double *points)
 {
-    const bcifs_figure_options options = {
-        .figure = sample->figure, .points = points, .point_count = points ? sample->count : 0, .dimension = points ? 2 : 0};
+    const bcifs_figure_options options = {.figure = sample->figure,
+                                          .points = points,
+                                          .point_count = points ? sample->count : 0,
+                                          .dimension = points ? 2 : 0};
     bcifs_figure *figure = NULL;
     bcifs_error error;
     if (bcifs_figure_create(sample->automaton, &options, &figure, &error))
@@ -104,7 +106,8 @@ static inline double random_number(uint64_t *state)
 }
 
 /* The sample's points, each moved by up to `share` of the figure's size: count × 2 numbers. */
-static inline void curve_points(const struct curve_sample *sample, double share, uint64_t *state, double *points)
+static inline void curve_points(const struct curve_sample *sample, double share, uint64_t *state,
+                                double *points)
 {
     double size = 0;
     for (size_t i = 0; i < 2 * sample->count; i++)
