@@ -648,6 +648,42 @@ BCIFS_PUBLIC const bcifs_form *bcifs_area_form(const bcifs_area *area, size_t in
 BCIFS_PUBLIC char *bcifs_area_json(const bcifs_area *area);
 BCIFS_PUBLIC char *bcifs_area_text(const bcifs_area *area);
 
+/* The form of the area in the coefficients (x^L, d^L, …, d^{n-1}) of a curve that was decomposed J = n - L times, as by
+ * bcifs_bank_decompose: an antisymmetric matrix M with the area ½ X M Yᵀ, [MR] (11)-(13). Its blocks are A (control points ×
+ * control points), B (control points × details), -Bᵀ and C. Only the entries that are not zero are held. */
+typedef struct bcifs_area_matrix bcifs_area_matrix;
+
+/* `refine` and `coarsen` are those of bcifs_bank_create; the figure is one for bcifs_area_create, and must outlive the
+ * matrix. Errors are those of both. Entries of at most 1e-13 of the largest in their row or column are rounding and are
+ * dropped. */
+BCIFS_PUBLIC bcifs_status bcifs_area_matrix_create(const bcifs_figure *figure, unsigned refine, unsigned coarsen,
+                                                   bcifs_area_matrix **matrix, bcifs_error *error);
+BCIFS_PUBLIC void bcifs_area_matrix_free(bcifs_area_matrix *matrix);
+/* The area of the figure itself and the forms of its states, valid as long as the matrix. */
+BCIFS_PUBLIC const bcifs_area *bcifs_area_matrix_area(const bcifs_area_matrix *matrix);
+/* L, the coarsest level that `refine` and `coarsen` speak of being 0; `finest` (may be NULL) receives n. */
+BCIFS_PUBLIC unsigned bcifs_area_matrix_level(const bcifs_area_matrix *matrix, unsigned *finest);
+/* Its rows, which are as many as the fine control points, and those of block A, the coarse control points. */
+BCIFS_PUBLIC size_t bcifs_area_matrix_size(const bcifs_area_matrix *matrix);
+BCIFS_PUBLIC size_t bcifs_area_matrix_scale_points(const bcifs_area_matrix *matrix);
+/* The row (and column) where a part of the coefficients begins: 0 for part 0, x^L; then the details, part 1 being d^L and
+ * part J d^{n-1}; the size from part J + 1 on. */
+BCIFS_PUBLIC size_t bcifs_area_matrix_start(const bcifs_area_matrix *matrix, unsigned part);
+/* How many entries are not zero. When `rows` is not NULL, writes them to three arrays of so many elements, row after row,
+ * columns rising. */
+BCIFS_PUBLIC size_t bcifs_area_matrix_entries(const bcifs_area_matrix *matrix, size_t *rows, size_t *columns,
+                                              double *values);
+/* One entry; 0 outside the matrix. */
+BCIFS_PUBLIC double bcifs_area_matrix_entry(const bcifs_area_matrix *matrix, size_t row, size_t column);
+/* ½ X M Yᵀ of planar coefficients, size × 2 numbers. */
+BCIFS_PUBLIC double bcifs_area_matrix_value(const bcifs_area_matrix *matrix, const double *coefficients);
+/* Writes it to `path`, "-" being standard output, as txt (the default of "-"; entries shown up to 32 rows), json (with what
+ * bcifs_area_json tells; up to 1024 rows), csv (all rows, without a header; up to 4096), mtx (MatrixMarket, real
+ * skew-symmetric, any size), svg or png (a picture of the blocks: A yellow, B and -Bᵀ red, C green, entries dark). Of
+ * `options` the format, the command and the width are used. BCIFS_INPUT: another format, or too many rows for it. */
+BCIFS_PUBLIC bcifs_status bcifs_area_matrix_write(const bcifs_area_matrix *matrix, const char *path,
+                                                  const bcifs_write_options *options, bcifs_error *error);
+
 /* ---- Parameter maps ------------------------------------------------------------------------------------ */
 
 /* The class of an automaton at every node of a grid over one or two of its params. */

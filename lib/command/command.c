@@ -94,7 +94,10 @@ int equations_check(const struct arguments *arguments, const bcifs_automaton *au
 
 int figure_create(const struct arguments *arguments, const bcifs_automaton *automaton, bcifs_figure **figure)
 {
-    bcifs_figure_options options = {.figure = arguments->figure, .state = arguments->state};
+    bcifs_figure_options options = {.figure = arguments->figure,
+                                    .state = arguments->state,
+                                    .unplaced = arguments->unplaced && arguments->state && !arguments->points &&
+                                                !arguments->curve};
     bcifs_load_options reading = load_options(arguments);
     bcifs_error error;
     double *points = NULL;

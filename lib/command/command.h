@@ -36,6 +36,7 @@ struct arguments {
     size_t position_count;
     bool json, quiet, strict, polygon, check;
     bool fix_params; /* what is computed is for the params' values only */
+    bool unplaced;   /* a state may do without control points */
     int argument_count; /* of the whole command line, for pictures */
     char **words;
 };

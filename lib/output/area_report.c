@@ -1,5 +1,6 @@
 /* The report of bcifs_area, as JSON (design, section 5) and as text for a person. */
-#include "multires/area.h"
+#include "output/area_report.h"
+
 #include "output/json_text.h"
 
 /* ---- JSON ---------------------------------------------------------------------------------------------- */
@@ -17,40 +18,46 @@ static void json_form(struct text *text, const bcifs_form *form)
     text_append(text, "}");
 }
 
+void area_json_members(struct text *text, const bcifs_area *area)
+{
+    json_key(text, "automaton");
+    json_string(text, bcifs_automaton_name(area->automaton));
+    text_append(text, ", ");
+    json_key(text, "figure");
+    json_string(text, area->figure);
+    text_append(text, ",\n ");
+    json_key(text, "area");
+    if (area->placed)
+        json_number(text, area->value.real);
+    else
+        text_append(text, "null");
+    text_append(text, ", ");
+    json_flag(text, "exact", area->fraction != NULL);
+    text_append(text, ", ");
+    json_key(text, "fraction");
+    if (area->fraction)
+        json_string(text, area->fraction);
+    else
+        text_append(text, "null");
+    text_append(text, ",\n ");
+    json_key(text, "form");
+    json_matrix(text, area->told[0].matrix, area->told[0].size, area->told[0].size);
+    text_append(text, ",\n ");
+    json_key(text, "forms");
+    text_append(text, "[");
+    for (size_t i = 0; i < area->count; i++) {
+        text_append(text, i ? ",\n  " : "\n  ");
+        json_form(text, &area->told[i]);
+    }
+    text_append(text, "]");
+}
+
 char *bcifs_area_json(const bcifs_area *area)
 {
     struct text text = {0};
     text_append(&text, "{");
-    json_key(&text, "automaton");
-    json_string(&text, bcifs_automaton_name(area->automaton));
-    text_append(&text, ", ");
-    json_key(&text, "figure");
-    json_string(&text, area->figure);
-    text_append(&text, ",\n ");
-    json_key(&text, "area");
-    if (area->placed)
-        json_number(&text, area->value.real);
-    else
-        text_append(&text, "null");
-    text_append(&text, ", ");
-    json_flag(&text, "exact", area->fraction != NULL);
-    text_append(&text, ", ");
-    json_key(&text, "fraction");
-    if (area->fraction)
-        json_string(&text, area->fraction);
-    else
-        text_append(&text, "null");
-    text_append(&text, ",\n ");
-    json_key(&text, "form");
-    json_matrix(&text, area->told[0].matrix, area->told[0].size, area->told[0].size);
-    text_append(&text, ",\n ");
-    json_key(&text, "forms");
-    text_append(&text, "[");
-    for (size_t i = 0; i < area->count; i++) {
-        text_append(&text, i ? ",\n  " : "\n  ");
-        json_form(&text, &area->told[i]);
-    }
-    text_append(&text, "]}\n");
+    area_json_members(&text, area);
+    text_append(&text, "}\n");
     return text_take(&text);
 }
 
@@ -99,21 +106,26 @@ static void append_form(struct text *text, const bcifs_form *form, const struct 
     }
 }
 
+void area_text_head(struct text *text, const bcifs_area *area)
+{
+    text_append(text, bcifs_automaton_name(area->automaton));
+    if (area->figure[0])
+        text_format(text, ", figure %s", area->figure);
+    text_append(text, "\n");
+    if (area->placed) {
+        text_append(text, "area ");
+        if (area->fraction)
+            text_append(text, area->fraction);
+        else
+            text_append_number(text, area->value.real);
+        text_append(text, area->fraction ? " (exact)\n" : "\n");
+    }
+}
+
 char *bcifs_area_text(const bcifs_area *area)
 {
     struct text text = {0};
-    text_append(&text, bcifs_automaton_name(area->automaton));
-    if (area->figure[0])
-        text_format(&text, ", figure %s", area->figure);
-    text_append(&text, "\n");
-    if (area->placed) {
-        text_append(&text, "area ");
-        if (area->fraction)
-            text_append(&text, area->fraction);
-        else
-            text_append_number(&text, area->value.real);
-        text_append(&text, area->fraction ? " (exact)\n" : "\n");
-    }
+    area_text_head(&text, area);
     for (size_t i = 0; i < area->count; i++)
         append_form(&text, &area->told[i], area->entries[i]);
     return text_take(&text);

@@ -1,12 +1,40 @@
-/* MatrixMarket: refinement matrices as sparse text, coordinate format (Boisvert, Pozo and Remington, The
- * Matrix Market exchange formats, 1996): a header, comments, the sizes, then "row column value" from 1.
- *
- * The sizes say how many entries follow, so the columns are run over twice; they are never held. */
+#include "output/matrix_market.h"
+
 #include "automaton/automaton.h"
 #include "base/memory.h"
 #include "evaluate/basis.h"
-#include "output/file.h"
 
+/* ---- Lines --------------------------------------------------------------------------------------------- */
+
+void market_comment_write(struct file *file, const char *text)
+{
+    for (; *text; text++)
+        file_write(file, (unsigned char)*text < 0x20 ? " " : text, 1);
+}
+
+void market_sizes_write(struct file *file, uint64_t rows, uint64_t columns, uint64_t entries)
+{
+    file_integer(file, rows);
+    file_text(file, " ");
+    file_integer(file, columns);
+    file_text(file, " ");
+    file_integer(file, entries);
+    file_text(file, "\n");
+}
+
+void market_entry_write(struct file *file, uint64_t row, uint64_t column, double value)
+{
+    file_integer(file, row + 1);
+    file_text(file, " ");
+    file_integer(file, column + 1);
+    file_text(file, " ");
+    file_number(file, value);
+    file_text(file, "\n");
+}
+
+/* ---- Refinement matrices ------------------------------------------------------------------------------- */
+
+/* The sizes say how many entries follow, so the columns are run over twice; they are never held. */
 struct market {
     const bcifs_figure *figure;
     struct states states;
@@ -32,14 +60,8 @@ static void column_write(struct market *market, const struct piece *piece, doubl
         if (column[j] == 0)
             continue;
         market->entries++;
-        if (!market->file)
-            continue;
-        file_integer(market->file, (uint64_t)piece->indices[j] + 1);
-        file_text(market->file, " ");
-        file_integer(market->file, market->columns);
-        file_text(market->file, " ");
-        file_number(market->file, column[j]);
-        file_text(market->file, "\n");
+        if (market->file)
+            market_entry_write(market->file, piece->indices[j], market->columns - 1, column[j]);
     }
 }
 
@@ -83,13 +105,6 @@ static bcifs_status pieces_write(struct market *market)
     return status;
 }
 
-/* A comment stays on its line whatever the command line held. */
-static void comment_write(struct file *file, const char *text)
-{
-    for (; *text; text++)
-        file_write(file, (unsigned char)*text < 0x20 ? " " : text, 1);
-}
-
 static void head_write(const struct market *market, const char *command)
 {
     struct file *file = market->file;
@@ -97,23 +112,18 @@ static void head_write(const struct market *market, const char *command)
                     ": refinement matrix of level ");
     file_integer(file, market->view.depth);
     file_text(file, " of ");
-    comment_write(file, bcifs_automaton_name(market->figure->automaton));
+    market_comment_write(file, bcifs_automaton_name(market->figure->automaton));
     file_text(file, market->figure->name[0] ? ", figure " : "");
-    comment_write(file, market->figure->name);
+    market_comment_write(file, market->figure->name);
     file_text(
         file,
         "\n% rows: control points; columns: control points of the level, in order; each column sums to 1\n");
     if (command) {
         file_text(file, "% ");
-        comment_write(file, command);
+        market_comment_write(file, command);
         file_text(file, "\n");
     }
-    file_integer(file, market->figure->point_count);
-    file_text(file, " ");
-    file_integer(file, market->columns);
-    file_text(file, " ");
-    file_integer(file, market->entries);
-    file_text(file, "\n");
+    market_sizes_write(file, market->figure->point_count, market->columns, market->entries);
 }
 
 static bcifs_status market_write(struct market *market, const char *path, const char *command)

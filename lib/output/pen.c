@@ -44,6 +44,27 @@ static void line_write(struct file *file, const double *xy, size_t count, struct
     file_text(file, "\"/>\n");
 }
 
+static void boxes_write(struct file *file, const unsigned *boxes, size_t count, struct color color)
+{
+    file_text(file, "<path shape-rendering=\"crispEdges\" fill=\"");
+    color_write(file, color);
+    file_text(file, "\" d=\"");
+    for (size_t i = 0; i < count; i++, boxes += 4) {
+        file_text(file, i % 8 ? "M" : "\nM");
+        file_integer(file, boxes[0]);
+        file_text(file, " ");
+        file_integer(file, boxes[1]);
+        file_text(file, "H");
+        file_integer(file, boxes[2]);
+        file_text(file, "V");
+        file_integer(file, boxes[3]);
+        file_text(file, "H");
+        file_integer(file, boxes[0]);
+        file_text(file, "z");
+    }
+    file_text(file, "\"/>\n");
+}
+
 static void words_write(struct file *file, double x, double y, enum pen_anchor anchor, const char *text,
                         struct color color)
 {
@@ -69,6 +90,17 @@ static unsigned letter_scale(const struct canvas *canvas)
 {
     enum { SMALL = 700 };
     return canvas->width < SMALL ? 1 : 2;
+}
+
+static void box_fill(struct canvas *canvas, const unsigned *box, struct color color)
+{
+    for (unsigned row = box[1]; row < box[3] && row < canvas->height; row++)
+        for (unsigned column = box[0]; column < box[2] && column < canvas->width; column++) {
+            unsigned char *pixel = canvas->pixels + 3 * ((size_t)row * canvas->width + column);
+            pixel[0] = color.red;
+            pixel[1] = color.green;
+            pixel[2] = color.blue;
+        }
 }
 
 static void words_cover(struct canvas *canvas, double x, double y, enum pen_anchor anchor, const char *text)
@@ -103,6 +135,14 @@ void pen_line(struct pen *pen, const double *xy, size_t count, struct color colo
     for (size_t i = 0; i + 1 < count; i++)
         canvas_segment(pen->canvas, xy[2 * i], xy[2 * i + 1], xy[2 * i + 2], xy[2 * i + 3], width);
     canvas_paint(pen->canvas, color, 1);
+}
+
+void pen_boxes(struct pen *pen, const unsigned *boxes, size_t count, struct color color)
+{
+    if (pen->svg && count > 0)
+        boxes_write(pen->svg, boxes, count, color);
+    for (size_t i = 0; pen->canvas && i < count; i++)
+        box_fill(pen->canvas, boxes + 4 * i, color);
 }
 
 void pen_words(struct pen *pen, double x, double y, enum pen_anchor anchor, const char *text,

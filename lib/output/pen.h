@@ -1,4 +1,4 @@
-/* Pen: what a diagram needs of a picture: lines and a few words, as vectors or as pixels. */
+/* Pen: what a diagram needs of a picture: lines, rectangles and a few words, as vectors or as pixels. */
 #ifndef OUTPUT_PEN_H
 #define OUTPUT_PEN_H
 
@@ -17,6 +17,8 @@ double pen_height(const struct pen *pen);
 
 /* xy: count × 2, pixels from the upper left corner. */
 void pen_line(struct pen *pen, const double *xy, size_t count, struct color color, double width);
+/* Fills rectangles between whole pixels, sharp-edged: count × 4, left, top, right and bottom of each. */
+void pen_boxes(struct pen *pen, const unsigned *boxes, size_t count, struct color color);
 /* `x`, `y` is the left, middle or right of the base line. */
 void pen_words(struct pen *pen, double x, double y, enum pen_anchor anchor, const char *text,
                struct color color);

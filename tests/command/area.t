@@ -207,4 +207,195 @@ for my $case (
     like($err, qr/has 406 entries; the limit is 300/, 'the limit is named');
 }
 
+# ---- Matrices of levels ------------------------------------------------------------------------------------------
+
+# The bytes of a PNG's pixels as "rrggbb" => how many, filters undone.
+sub png_colors {
+    my ($path) = @_;
+    my ($bytes, $data, $at) = (file_text($path), '', 8);
+    my ($width, $height, $depth, $type) = unpack 'x16 N N C C', $bytes;
+    while ($at < length $bytes) {
+        my ($length, $kind) = unpack "x$at N a4", $bytes;
+        $data .= substr $bytes, $at + 8, $length if $kind eq 'IDAT';
+        $at += 12 + $length;
+    }
+    return {} if $depth != 8 || $type != 2;
+    my $inflated = Compress::Zlib::uncompress($data);
+    my ($stride, %colors, @above) = (3 * $width);
+    @above = (0) x $stride;
+    for my $row (0 .. $height - 1) {
+        my ($filter, @line) = unpack 'C*', substr $inflated, $row * ($stride + 1), $stride + 1;
+        for my $i (0 .. $#line) {
+            my ($left, $up, $corner) = ($i < 3 ? 0 : $line[ $i - 3 ], $above[$i], $i < 3 ? 0 : $above[ $i - 3 ]);
+            my $guess = $left + $up - $corner;
+            my ($a, $b, $c) = map { abs($guess - $_) } $left, $up, $corner;
+            my $paeth = $a <= $b && $a <= $c ? $left : $b <= $c ? $up : $corner;
+            $line[$i] = ($line[$i] + (0, $left, $up, ($left + $up) >> 1, $paeth)[$filter]) & 255;
+        }
+        $colors{ sprintf '%02x%02x%02x', @line[ 3 * $_ .. 3 * $_ + 2 ] }++ for 0 .. $width - 1;
+        @above = @line;
+    }
+    return \%colors;
+}
+
+# The rows of a MatrixMarket file whose entries below the diagonal stand for those above it, too.
+sub market {
+    my ($text) = @_;
+    my ($head, @lines) = split /\n/, $text;
+    is($head, '%%MatrixMarket matrix coordinate real skew-symmetric', 'MatrixMarket, antisymmetric');
+    my ($sizes, @entries) = grep { !/^%/ } @lines;
+    my ($rows, $columns, $count) = split ' ', $sizes;
+    is(scalar @entries, $count, 'as many entries as it says');
+    my @matrix = map { [ (0) x $columns ] } 1 .. $rows;
+    my $below = 1;
+    for (@entries) {
+        my ($i, $j, $value) = split;
+        $below &&= $i > $j;
+        $matrix[ $i - 1 ][ $j - 1 ] = $value;
+        $matrix[ $j - 1 ][ $i - 1 ] = -$value;
+    }
+    ok($below, 'all of them below the diagonal');
+    return \@matrix;
+}
+
+# Numbers as numbers: 0 and -0, "1" and 1 are the same.
+sub numbers { return [ map { [ map { $_ + 0 } @$_ ] } @{ $_[0] } ] }
+
+for my $case (
+    [ 'chaikin', 'square', 3, 2, [ 8, 8, 16 ] ],
+    [ 'four-point', 'arch', 2, 1, undef ],
+    [ 'nonuniform-quadratic', 'crest', 2, 2, undef ],
+    [ 'koch', 'snowflake', 1, 1, [ 6, 18 ] ],
+    [ 'two-motifs', 'two_motifs', 2, 2, undef ],
+    )
+{
+    my ($name, $figure, $refine, $coarsen, $sizes) = @$case;
+    my @options = ('--figure', $figure, '--refine', $refine, '--coarsen', $coarsen);
+    my $what = "$name, $figure, level " . ($refine - $coarsen) . " of $refine";
+    my ($json, $plain) = (area(gallery($name), @options), area(gallery($name), '--figure', $figure));
+    is_deeply([ map { $json->{$_} } sort keys %$plain ], [ map { $plain->{$_} } sort keys %$plain ],
+        "$what: the report of the area is part of it");
+    my $matrix = $json->{matrix};
+    my $size = 0;
+    $size += $_ for @{ $json->{level_sizes} };
+    is_deeply($json->{level_sizes}, $sizes, 'sizes of the levels') if $sizes;
+    is($json->{coarsen}, $coarsen, 'times coarsened');
+    is($json->{scale_points}, $json->{level_sizes}[0], 'control points first');
+    is(scalar(grep { @$_ == $size } @$matrix), $size, 'a square matrix');
+    is(scalar(grep { $_ != 0 } map {@$_} @$matrix), $json->{entries}, 'entries that are not zero');
+    my $antisymmetric = 1;
+    for my $i (0 .. $#$matrix) {
+        $antisymmetric &&= $matrix->[$i][$_] == -$matrix->[$_][$i] for 0 .. $i;
+    }
+    ok($antisymmetric, 'antisymmetric');
+    my ($mtx, $csv) = map { scratch("m.$_") } qw(mtx csv);
+    bcifs([ 'area', gallery($name), @options, '-o', $_ ]) for $mtx, $csv;
+    is_deeply(numbers(market(file_text($mtx))), numbers($matrix), 'the same in a file .mtx');
+    is_deeply(numbers([ map { [ split /,/ ] } split /\n/, file_text($csv) ]), numbers($matrix), 'and .csv');
+    my ($status, $out) = bcifs([ 'area', gallery($name), @options, '--format', 'mtx' ]);
+    is_deeply(numbers(market($out)), numbers($matrix), 'and on standard output');
+}
+
+# A curve that is given by its fine points is coarsened from them: n = J, and X M Yᵀ/2 at level n is its area.
+{
+    srand 5;
+    my @points = map { [ map { rand(2) - 1 } 1, 2 ] } 1 .. 24;
+    my $csv = scratch('points.csv', join '', map {"$_->[0],$_->[1]\n"} @points);
+    my ($mother, $coarse) =
+        map { area(gallery('chaikin'), '--points', $csv, '--coarsen', $_) } 0, 3;
+    my $sum = 0;
+    for my $i (0 .. 23) {
+        $sum += $points[$i][0] * $mother->{matrix}[$i][$_] * $points[$_][1] / 2 for 0 .. 23;
+    }
+    cmp_ok(abs($sum - $mother->{area}), '<', 1e-12, 'the area is the form of the control points');
+    is_deeply($coarse->{level_sizes}, [ 3, 3, 6, 12 ], 'three levels up');
+    is($coarse->{level}, 0, 'the coarsest level is 0');
+    my ($status, $out, $err) = bcifs([ 'area', gallery('chaikin'), '--points', $csv, '--coarsen', 4 ]);
+    is($status, 2, 'four are too many');
+    like($err, qr/24 pieces can be coarsened 3 times only; 4 need a multiple of 16 pieces, such as 32: 32 control points/,
+        'it says how far it goes, and what would do');
+}
+
+# A drawn curve.
+{
+    my $svg = scratch('drawn.svg', '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L4 0L4 -2L0 -2Z"/></svg>');
+    my $json = area(gallery('chaikin'), '--curve', $svg);
+    # Chaikin's curve of a rectangle a × b: the square of side 2 has 10/3 = 4·5/6.
+    cmp_ok(abs($json->{area} - 8 * 5 / 6), '<', 1e-14, 'the area inside control points of a drawing');
+    my ($status, $out, $err) = bcifs([ 'area', gallery('chaikin'), '--curve', $svg, '--points', $svg ]);
+    is($status, 2, '--curve and --points');
+    like($err, qr/exclude each other/, 'exclude each other');
+}
+
+# A state of its own.
+{
+    my $json = area(gallery('bezier-quadratic'), '--state', 'arc', '--refine', 1, '--coarsen', 1);
+    ok(exists $json->{area} && !defined $json->{area}, 'a state has no area');
+    is_deeply([ map { sprintf '%.12f', $_ } @{ $json->{matrix}[1] }[ 0 .. 2 ] ],
+        [ map { sprintf '%.12f', $_ } -2 / 3, 0, 2 / 3 ], 'but a matrix, closed by the chord');
+}
+
+# Pictures: the colors of the three blocks, where they are.
+for my $J (0, 1, 3) {
+    my @colors = $J ? qw(fff3b0 fbd9d3 d9f0d3 d49a00 b82222 1b733a) : qw(fff3b0 d49a00);
+    my ($svg, $png) = map { scratch("m.$_") } qw(svg png);
+    for my $path ($svg, $png) {
+        my ($status, $out, $err) = bcifs([ 'area', gallery('chaikin'), '--refine', 3, '--coarsen', $J, '-o', $path, '--width', 320 ]);
+        is($status, 0, "a picture, J = $J") or diag($err);
+    }
+    my $text = file_text($svg);
+    my %found = map { $_ => 1 } $text =~ /fill="#(\w{6})" d=/g;
+    is_deeply([ sort keys %found ], [ sort @colors ], "J = $J: the blocks' colors in a vector picture");
+    my ($L, $n) = (3 - $J, 3);
+    like($text, qr/M\^$L, n = $n: 32 x 32, [\d.]+ % not zero/, 'its caption');
+    like($text, qr/>A @{[ 32 >> $J ]} x @{[ 32 >> $J ]}</, 'and its blocks');
+    # Every entry of block A is one box or part of one: their area is that of the entries, less the gaps.
+    my $json = area(gallery('chaikin'), '--refine', 3, '--coarsen', $J);
+    my $side = 32 >> $J;
+    my $entries = grep { $_ != 0 } map { @$_[ 0 .. $side - 1 ] } @{ $json->{matrix} }[ 0 .. $side - 1 ];
+    my $covered = 0;
+    for my $path ($text =~ /<path shape-rendering="crispEdges" fill="#d49a00" d="(.*?)"/gs) {
+        $covered += ($3 - $1) * ($4 - $2) while $path =~ /M(\d+) (\d+)H(\d+)V(\d+)H/g;
+    }
+    is($covered, $entries * 6 * 6, 'all entries of block A are drawn, 7 pixels apart');
+SKIP: {
+        skip 'no Compress::Zlib', 1 if !eval { require Compress::Zlib; 1 };
+        my $pixels = png_colors($png);
+        is(scalar(grep { $pixels->{$_} } @colors), scalar @colors, 'the same colors in pixels');
+    }
+}
+
+# Text.
+{
+    my ($status, $out) = bcifs([ 'area', gallery('chaikin'), '--refine', 1, '--coarsen', 1 ]);
+    my @lines = split /\n/, $out;
+    is(scalar @lines, 3 + 8 + 1, 'the head, eight rows, and a line between levels');
+    is(scalar(grep {/ \| /} @lines), 8, 'levels apart in every row');
+    my %lengths = map { length() => 1 } @lines[ 3 .. $#lines ];
+    is(scalar(keys %lengths), 1, 'aligned');
+    like($out, qr/^area matrix of level 0 of 1, 8 \S+ 8: 4 control points, details 4$/m, 'what it is');
+    ($status, $out) = bcifs([ 'area', gallery('chaikin'), '--refine', 4, '--coarsen', 1 ]);
+    like($out, qr/too large to show, -o x\.mtx writes them/, 'a large one is not shown');
+}
+
+for my $case (
+    [ 2, qr/2048 rows, JSON holds at most 1024: -o x\.mtx/, gallery('chaikin'), '--refine', 9, '--coarsen', 2, '--json' ],
+    [ 2, qr/8192 rows, CSV holds at most 4096: -o x\.mtx/, gallery('chaikin'), '--refine', 11, '--coarsen', 1, '--format', 'csv' ],
+    [ 2, qr/written as txt, json, csv, mtx, svg or png, not 'npy'/, gallery('chaikin'), '--coarsen', 1, '--format', 'npy' ],
+    [ 2, qr/--refine is for the matrix of --coarsen J/, gallery('chaikin'), '--refine', 1 ],
+    [ 2, qr/--format is for the matrix/, gallery('chaikin'), '--format', 'mtx' ],
+    [ 2, qr/--width is for the matrix/, gallery('chaikin'), '--width', '500' ],
+    [ 2, qr/--coarsen: expected a whole number/, gallery('chaikin'), '--coarsen', '1/2' ],
+    [ 2, qr/at most 64 levels/, gallery('chaikin'), '--coarsen', '65' ],
+    [ 1, qr/do not converge.*is 1, not below 1/, gallery('levy'), '--coarsen', '1' ],
+    [ 2, qr/not a curve/, gallery('sierpinski-triangle'), '--coarsen', '1' ],
+    )
+{
+    my ($wanted, $message, $file, @options) = @$case;
+    my ($status, $out, $err) = bcifs([ 'area', $file, @options ]);
+    is($status, $wanted, "area @options exits with $wanted");
+    like($err, $message, 'and says why');
+    is($out, '', 'and nothing else');
+}
+
 done_testing();

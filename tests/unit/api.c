@@ -141,6 +141,7 @@ static void test_nothing(void)
     bcifs_automaton_free(NULL);
     bcifs_check_free(NULL);
     bcifs_area_free(NULL);
+    bcifs_area_matrix_free(NULL);
     bcifs_figure_free(NULL);
     bcifs_points_free(NULL);
     bcifs_plan_free(NULL);
@@ -596,6 +597,23 @@ static bcifs_status use_area(bcifs_error *error)
     return status;
 }
 
+static bcifs_status use_area_matrix(bcifs_error *error)
+{
+    static const char *const formats[] = {"txt", "json", "csv", "mtx", "svg", "png"};
+    bcifs_area_matrix *matrix = NULL;
+    bcifs_status status = bcifs_area_matrix_create(shared_figure, 2, 2, &matrix, error);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats && status == BCIFS_OK; i++) {
+        char path[40];
+        snprintf(path, sizeof path, "out.%s", formats[i]);
+        status = bcifs_area_matrix_write(matrix, path, &(bcifs_write_options){.width = 240}, error);
+        if ((access(path, F_OK) == 0) != (status == BCIFS_OK))
+            note("%s: status %d, file %s", path, (int)status, status ? "left behind" : "missing"), status = BCIFS_NO;
+        remove(path);
+    }
+    bcifs_area_matrix_free(matrix);
+    return status;
+}
+
 static bcifs_status use_points(bcifs_error *error)
 {
     double *points = NULL;
@@ -749,6 +767,7 @@ static void test_memory(void)
     test_failing("plan and walker", use_plan, false);
     test_failing("point_at", use_point, false);
     test_failing("area", use_area, false);
+    test_failing("area_matrix", use_area_matrix, false);
     test_failing("points_read", use_points, false);
     test_failing("curve_read, pictures of it", use_curves, false);
     test_failing("fit", use_fit, false);
